@@ -1,0 +1,190 @@
+"""A bag's scans in lockstep: each waits for its transforms, in stamp order; none is lost."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from floornav_common.se2 import SE2
+from floornav_common.transform3 import Transform3
+from floornav_common.transform_buffer import (
+    ExtrapolationIntoPast,
+    TransformBuffer,
+    TransformUnavailable,
+)
+from grid_mapper.recordings.bag import Bag, Message
+from grid_mapper.recordings.bag_choice import Choice, choose
+from grid_mapper.recordings.bag_messages import (
+    odometry_from,
+    range_event,
+    scan_event,
+    stamp_ns_of,
+    transforms_from,
+)
+from grid_mapper.recordings.events import Event, Recording, RecordingOptions
+from grid_mapper.recordings.ordering import JUMP_NS, StampWatch
+from grid_mapper.recordings.pose_track import PoseTrack
+
+KEEP_ODOM_NS = 10_000_000_000
+STATIC_NAME = "tf_static"
+
+
+class NeverCovered(Exception):
+    """No transform will come for a stamp any more."""
+
+
+@dataclass(order=True)
+class Waiting:
+    """A scan or range that waits for its transforms; sorts by stamp, then as recorded."""
+
+    stamp_ns: int
+    number: int
+    message: Any = field(compare=False)
+    topic: str = field(compare=False)
+    follows_jump: bool = field(compare=False)
+
+
+class Lockstep:
+    """Takes a bag's messages in recorded order and gives events as their transforms come."""
+
+    def __init__(self, choice: Choice, options: RecordingOptions, recording: Recording) -> None:
+        """Start with an empty buffer."""
+        self._choice = choice
+        self._options = options
+        self._counts = recording.counts
+        self._watch = StampWatch(recording.counts)
+        self._buffer = TransformBuffer()
+        self._odom = PoseTrack()
+        self._waiting: list[Waiting] = []
+        self._num_taken = 0
+
+    def take(self, message: Message, content: Any) -> Iterator[Event]:
+        """Take one message; yield every event that it makes ready."""
+        if message.topic in self._choice.tf_topics:
+            self._take_transforms(content, message.topic.endswith(STATIC_NAME))
+        elif message.topic == self._choice.odom_topic:
+            self._take_odometry(content)
+        else:
+            yield from self._take_reading(message, content)
+        yield from self._ready()
+
+    def finish(self) -> None:
+        """Count what still waits when the bag has ended: nothing covers it."""
+        self._counts.without_transform += len(self._waiting)
+        self._waiting.clear()
+
+    def _take_transforms(self, content: Any, is_static: bool) -> None:
+        for parent, child, stamp_ns, xyz, quat_xyzw in transforms_from(content):
+            try:
+                self._buffer.set_transform(parent, child, stamp_ns, xyz, quat_xyzw, is_static)
+            except ValueError:
+                self._counts.malformed += 1
+
+    def _take_odometry(self, content: Any) -> None:
+        stamp_ns, T_odom_base = odometry_from(content)
+        newest_ns = self._odom.newest_ns()
+        if newest_ns is not None and newest_ns - stamp_ns > JUMP_NS:
+            self._odom.clear()
+        self._odom.add(stamp_ns, T_odom_base)
+        self._odom.forget_before(stamp_ns - KEEP_ODOM_NS)
+
+    def _take_reading(self, message: Message, content: Any) -> Iterator[Event]:
+        stamp_ns = stamp_ns_of(content)
+        jumped = message.topic == self._choice.scan_topic and self._watch.is_jump(stamp_ns)
+        if jumped:
+            yield from self._ready()
+            self.finish()
+            self._buffer.clear()
+            self._odom.clear()
+        self._num_taken += 1
+        reading = Waiting(stamp_ns, self._num_taken, content, message.topic, jumped)
+        heapq.heappush(self._waiting, reading)
+
+    def _ready(self) -> Iterator[Event]:
+        """Yield the oldest waiting readings for which all transforms are there."""
+        while self._waiting:
+            reading = self._waiting[0]
+            try:
+                event = self._event(reading)
+            except NeverCovered:
+                self._counts.without_transform += 1
+            else:
+                if event is None:
+                    return
+                yield event
+            heapq.heappop(self._waiting)
+
+    def _event(self, reading: Waiting) -> Event | None:
+        """Return the event of a reading; None while a transform may still come."""
+        frame = reading.message.header.frame_id
+        is_scan = reading.topic == self._choice.scan_topic
+        try:
+            if is_scan and self._options.laser_pose is not None:
+                T_base_sensor = Transform3.from_se2(self._options.laser_pose)
+            else:
+                T_base_sensor = self._buffer.lookup(
+                    self._choice.base_frame, frame, reading.stamp_ns
+                )
+            T_odom_base = self._odometry(reading.stamp_ns)
+        except ExtrapolationIntoPast as error:
+            raise NeverCovered from error
+        except TransformUnavailable:
+            return None
+        if self._options.use_odom and T_odom_base is None:
+            return None
+        if is_scan:
+            return scan_event(reading.message, T_base_sensor, T_odom_base, reading.follows_jump)
+        return range_event(reading.message, T_base_sensor, T_odom_base)
+
+    def _odometry(self, stamp_ns: int) -> SE2 | None:
+        if not self._options.use_odom:
+            return None
+        if self._choice.odom_frame is not None:
+            choice = self._choice
+            return self._buffer.lookup(self._choice.odom_frame, choice.base_frame, stamp_ns).to_se2()
+        oldest_ns = self._odom.oldest_ns()
+        if oldest_ns is not None and stamp_ns < oldest_ns:
+            raise NeverCovered
+        return self._odom.at(stamp_ns)
+
+
+def open_bag_recording(path: Path, options: RecordingOptions) -> Recording:
+    """Open a rosbag2 or ROS 1 bag.
+
+    Raises:
+        RecordingError: If it cannot be read, or leaves open what only the user can say.
+    """
+    bag = Bag(path)
+    try:
+        choice = choose(bag, options)
+    except BaseException:
+        bag.close()
+        raise
+    num_scans = bag.topics[choice.scan_topic].num_messages
+
+    def source(recording: Recording) -> Iterator[Event]:
+        with bag:
+            yield from _events(bag, choice, options, recording)
+
+    name = "ROS 1 bag" if bag.is_ros1 else "rosbag2"
+    return Recording(name, list(choice.info), source, num_scans)
+
+
+def _events(
+    bag: Bag, choice: Choice, options: RecordingOptions, recording: Recording
+) -> Iterator[Event]:
+    lockstep = Lockstep(choice, options, recording)
+    topics = {choice.scan_topic, *choice.sonar_topics, *choice.tf_topics}
+    topics |= {choice.odom_topic} if choice.odom_topic else set()
+    for message in bag.messages(topics):
+        try:
+            content = bag.deserialize(message)
+        except ValueError:
+            recording.counts.malformed += 1
+            continue
+        yield from lockstep.take(message, content)
+    lockstep.finish()
+    recording.problem = "; ".join(bag.problems) or None

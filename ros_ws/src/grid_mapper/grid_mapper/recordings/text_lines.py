@@ -1,0 +1,42 @@
+"""Lines of a text log, plain or gzip-compressed, recognized by content."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from grid_mapper.recordings.events import RecordingError
+
+GZIP_MAGIC = b"\x1f\x8b"
+
+
+def read_head(path: Path, num_bytes: int = 65536) -> bytes:
+    """Return the first bytes of a file, unpacked if it is gzip-compressed."""
+    with path.open("rb") as raw:
+        head = raw.read(num_bytes)
+    if not head.startswith(GZIP_MAGIC):
+        return head
+    try:
+        return zlib.decompressobj(wbits=31).decompress(head, num_bytes)
+    except zlib.error as error:
+        raise RecordingError(f"{path} is not a readable gzip file: {error}") from None
+
+
+def read_lines(path: Path, on_problem: Callable[[str], None]) -> Iterator[str]:
+    """Yield the lines of a log without their ends.
+
+    Args:
+        path: A text file, plain or gzip-compressed.
+        on_problem: Called with one line of text if the file ends early; what was read is kept.
+    """
+    with path.open("rb") as raw:
+        is_gzip = raw.read(2) == GZIP_MAGIC
+    number = 0
+    with gzip.open(path, "rb") if is_gzip else path.open("rb") as stream:
+        try:
+            for number, line in enumerate(stream, start=1):
+                yield line.decode("utf-8", errors="replace").rstrip("\r\n")
+        except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+            on_problem(f"{path.name} is cut off or damaged after line {number}: {error}")
