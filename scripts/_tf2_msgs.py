@@ -1,0 +1,150 @@
+"""Build tf2_msgs from its interface definitions into an environment made of ROS wheels.
+
+No wheel carries tf2_msgs. The wheels do carry the generators, so the package in `scripts/tf2_interfaces/`
+is built like any interface package, with two differences: the generators' exported cmake files name
+Python and numpy folders of the machine that built the wheels, which are replaced by this machine's,
+and the result is copied into the environment's own `lib`, `share` and `site-packages`, where the
+wheels keep theirs, so that no path has to be set.
+
+Standard library only; runs under any python >= 3.9.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+SOURCE_DIR = Path(__file__).resolve().parent / "tf2_interfaces"
+WHEEL_BUILDER_PYTHON = re.compile(r"/opt/python/cp\d+-cp\d+")
+
+
+class BuildToolMissingError(Exception):
+    """The machine has no compiler, no build program or no headers of the interpreter."""
+
+
+def build_tf2_msgs(prefix, cmake=None, log_path=None):
+    """Build tf2_msgs and install it into the environment at `prefix`.
+
+    Args:
+        prefix: Environment (sys.prefix) that holds the ROS wheels and gets the package.
+        cmake: The cmake to run; default the one in the environment or on PATH.
+        log_path: File that gets the output of cmake and the compiler.
+
+    Raises:
+        BuildToolMissingError: If this machine cannot compile; the text is one line.
+        RuntimeError: If the build failed; the text ends with the last lines of the log.
+    """
+    prefix = Path(prefix)
+    facts = _interpreter_facts(prefix)
+    cmake = cmake or find_cmake(prefix)
+    check_tools(facts["include"], cmake)
+    log_path = Path(log_path or prefix / "tf2_msgs_build.log")
+    with tempfile.TemporaryDirectory(prefix="floornav_tf2_msgs_") as scratch:
+        overlay = _overlay_with_local_paths(prefix, Path(scratch) / "overlay", facts)
+        staged = Path(scratch) / "install"
+        _run_cmake(cmake, prefix, overlay, Path(scratch) / "build", staged, facts, log_path)
+        _name_prefix(staged, prefix)
+        _copy_into(staged, prefix, Path(facts["site_packages"]))
+
+
+def check_tools(include_dir, cmake):
+    """Raise BuildToolMissingError with one clear line for the first build tool that is missing."""
+    if cmake is None:
+        raise BuildToolMissingError("no cmake found")
+    for names, what in ((("cc", "gcc", "clang"), "C compiler"), (("c++", "g++", "clang++"), "C++ compiler")):
+        if not any(shutil.which(name) for name in names):
+            raise BuildToolMissingError(f"no {what} found ({', '.join(names)})")
+    if not any(shutil.which(name) for name in ("ninja", "make", "gmake")):
+        raise BuildToolMissingError("neither make nor ninja found")
+    if not (Path(include_dir) / "Python.h").exists():
+        raise BuildToolMissingError(f"no Python.h in {include_dir} (package python3-dev)")
+
+
+def find_cmake(prefix):
+    """Return the environment's cmake, else the one on PATH, else None."""
+    own = Path(prefix) / "bin" / "cmake"
+    return str(own) if own.exists() else shutil.which("cmake")
+
+
+def _interpreter_facts(prefix):
+    """Ask the environment's interpreter where its headers, numpy's headers and packages are."""
+    ask = (
+        "import sysconfig, numpy; p = sysconfig.get_paths();"
+        "print(p['include'], numpy.get_include(), p['purelib'], sysconfig.get_config_var('LIBDIR'), sep='\\n')"
+    )
+    answer = subprocess.run(
+        [str(prefix / "bin" / "python"), "-c", ask], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    return dict(zip(("include", "numpy_include", "site_packages", "libdir"), answer))
+
+
+def _overlay_with_local_paths(prefix, overlay, facts):
+    """Copy the share folder's cmake files that name the wheel builder's Python, corrected.
+
+    A package's cmake files find their libraries relative to themselves (three folders up), so the
+    copy sits in a tree of links that looks like the environment. The environment is not touched.
+    """
+    overlay.mkdir(parents=True)
+    for name in ("include", "lib", "lib64", "bin", "tools"):
+        if (prefix / name).exists():
+            (overlay / name).symlink_to(prefix / name)
+    shutil.copytree(prefix / "share", overlay / "share", ignore=shutil.ignore_patterns("man", "doc"))
+    for path in (overlay / "share").rglob("*.cmake"):
+        text = path.read_text()
+        if WHEEL_BUILDER_PYTHON.search(text):
+            path.write_text(_with_local_paths(text, facts))
+    return overlay
+
+
+def _with_local_paths(text, facts):
+    """Replace the wheel builder's numpy and Python include folders by this machine's."""
+    builder = WHEEL_BUILDER_PYTHON.pattern
+    text = re.sub(builder + r"/lib/python[\d.]+/site-packages/numpy/_?core/include", facts["numpy_include"], text)
+    return re.sub(builder + r"/include/python[\d.]+", facts["include"], text)
+
+
+def _run_cmake(cmake, prefix, overlay, build, staged, facts, log_path):
+    """Configure, build and install to `staged`; the output goes to `log_path`."""
+    python = prefix / "bin" / "python"
+    configure = [
+        cmake, "-S", str(SOURCE_DIR), "-B", str(build),
+        "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF",
+        f"-DCMAKE_INSTALL_PREFIX={staged}", f"-DCMAKE_PREFIX_PATH={overlay}",
+        f"-DPython3_EXECUTABLE={python}", f"-DPYTHON_EXECUTABLE={python}",
+        f"-DPython3_INCLUDE_DIR={facts['include']}", f"-DPython3_NumPy_INCLUDE_DIR={facts['numpy_include']}",
+        "-DPython3_FIND_STRATEGY=LOCATION", "-Wno-dev",
+    ]  # fmt: skip
+    environment = dict(os.environ)
+    for name in ("CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "PYTHONPATH", "ROS_DISTRO", "CFLAGS", "CXXFLAGS"):
+        environment.pop(name, None)
+    environment["AMENT_PREFIX_PATH"] = str(overlay)
+    environment["PATH"] = f"{prefix / 'bin'}{os.pathsep}{environment.get('PATH', os.defpath)}"
+    steps = [configure, [cmake, "--build", str(build), "--parallel", "2"], [cmake, "--install", str(build)]]
+    with open(log_path, "w") as log:
+        for step in steps:
+            if subprocess.run(step, stdout=log, stderr=subprocess.STDOUT, env=environment).returncode != 0:
+                log.flush()
+                tail = "\n".join(Path(log_path).read_text(errors="replace").splitlines()[-15:])
+                raise RuntimeError(f"building tf2_msgs failed ({log_path}):\n{tail}")
+
+
+def _name_prefix(staged, prefix):
+    """Replace the scratch folder that the set-up scripts name as their prefix by the environment."""
+    for path in (staged / "share").rglob("*.*sh"):
+        path.write_text(path.read_text().replace(str(staged), str(prefix)))
+
+
+def _copy_into(staged, prefix, site_packages):
+    """Copy the installed tree to where the wheels keep theirs, the Python package last."""
+    shutil.copytree(staged / "share", prefix / "share", dirs_exist_ok=True)
+    for library in (staged / "lib").glob("lib*.so*"):
+        shutil.copy2(library, prefix / "lib" / library.name)
+    if (staged / "include").exists():
+        shutil.copytree(staged / "include", prefix / "include", dirs_exist_ok=True)
+    (package,) = (staged / "lib").glob("python*/site-packages/tf2_msgs")
+    no_bytecode = shutil.ignore_patterns("__pycache__")
+    for metadata in package.parent.glob("tf2_msgs-*"):
+        shutil.copytree(metadata, site_packages / metadata.name, dirs_exist_ok=True)
+    shutil.copytree(package, site_packages / "tf2_msgs", ignore=no_bytecode, dirs_exist_ok=True)
