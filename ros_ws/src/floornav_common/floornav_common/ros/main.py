@@ -1,0 +1,70 @@
+"""One `main` for all nodes: start, spin, stop cleanly, and the exit code that says how it went."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+
+import rclpy
+from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.node import Node
+
+from floornav_common.ros.parameters import ParameterError
+
+EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
+_SPIN_S = 1.0  # spin() and spin_once(None) of the wheels' EventsExecutor never return
+
+
+def run_node(make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int:
+    """Run one node until it is told to stop.
+
+    Args:
+        make_node: The node's class.
+        args: Command line; None for `sys.argv`.
+
+    Returns:
+        Exit code: 0 stopped by SIGINT, SIGTERM or shutdown, 1 failed, 2 not usable as given.
+    """
+    return run_nodes([make_node], args)
+
+
+def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | None = None) -> int:
+    """Run several nodes in one process until they are told to stop; see `run_node`."""
+    nodes: list[Node] = []
+    try:
+        rclpy.init(args=None if args is None else list(args))
+        executor = make_executor()
+        for make_node in make_nodes:
+            nodes.append(make_node())
+            executor.add_node(nodes[-1])
+        _spin(executor)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except ParameterError as error:
+        print(error, file=sys.stderr)
+        return EXIT_USAGE
+    except Exception:
+        traceback.print_exc()
+        return EXIT_FAILED
+    finally:
+        for node in nodes:
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return EXIT_OK
+
+
+def make_executor() -> Executor:
+    """Return the cheapest executor there is: EventsExecutor where rclpy has it."""
+    try:
+        from rclpy.experimental import EventsExecutor
+    except ImportError:
+        from rclpy.executors import SingleThreadedExecutor
+
+        return SingleThreadedExecutor()
+    return EventsExecutor()
+
+
+def _spin(executor: Executor) -> None:
+    while rclpy.ok():
+        executor.spin_once(timeout_sec=_SPIN_S)

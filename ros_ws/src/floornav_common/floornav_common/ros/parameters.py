@@ -1,0 +1,145 @@
+"""ROS parameters from configuration dataclasses: declared, validated and changed in one place."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from floornav_common import config_files
+from floornav_common.config import range_text
+
+C = TypeVar("C")
+
+
+class ParameterError(ValueError):
+    """The parameters that a node was started with are not usable; one line says why."""
+
+
+def declare_config(
+    node: Node,
+    config_class: type[C],
+    prefix: str = "",
+    on_change: Callable[[C], None] | None = None,
+) -> C:
+    """Declare a parameter for each field of a configuration and return it filled.
+
+    Args:
+        node: Node to declare them on.
+        config_class: Frozen dataclass made with `floornav_common.config.param`.
+        prefix: Group of the names, without the dot.
+        on_change: Called with the new configuration after a set at run time was accepted.
+
+    Raises:
+        ParameterError: If a value given at the start is of the wrong type or out of range.
+    """
+    names = config_files.parameter_names(config_class, prefix)
+    overrides = _overrides(node)
+    given = {f: overrides[n].value for n, f in names.items() if n in overrides}
+    try:
+        config = config_files.config_from_mapping(config_class, given, prefix)
+    except ValueError as error:
+        raise ParameterError(f"{node.get_fully_qualified_name()}: parameter {error}") from error
+    hints = typing.get_type_hints(config_class)
+    for (name, _), field in zip(names.items(), fields(config_class), strict=True):  # type: ignore[arg-type]
+        value = getattr(config, field.name)
+        descriptor = _descriptor(field, hints[field.name])
+        node.declare_parameter(
+            name, list(value) if isinstance(value, tuple) else value, descriptor, True
+        )
+    _watch(node, config, names, prefix, on_change)
+    return config
+
+
+def refuse_unknown_parameters(node: Node) -> None:
+    """Refuse parameters given at the start that nothing declared; call it after all declarations.
+
+    Raises:
+        ParameterError: Naming them, and the nearest names that exist.
+    """
+    known = [name for name in _overrides(node) if node.has_parameter(name)]
+    all_names = [*known, *_declared(node)]
+    try:
+        config_files.refuse_unknown(_overrides(node), all_names, node.get_fully_qualified_name())
+    except ValueError as error:
+        raise ParameterError(str(error)) from error
+
+
+def _overrides(node: Node) -> dict[str, Parameter]:
+    # rclpy has no public way to read what was given but never declared.
+    return dict(node._parameter_overrides)
+
+
+def _declared(node: Node) -> list[str]:
+    return list(node.get_parameters_by_prefix(""))
+
+
+def _descriptor(field: Any, hint: Any) -> ParameterDescriptor:
+    m = field.metadata
+    descriptor = ParameterDescriptor(
+        description=config_files.describe(field),
+        additional_constraints=range_text(field),
+        read_only=bool(m.get("read_only")),
+        # rclpy takes an empty list for one of bytes, and would then refuse all others.
+        dynamic_typing=typing.get_origin(hint) is tuple,
+    )
+    if m.get("ge") is not None and m.get("le") is not None:
+        if hint is float:
+            limits = FloatingPointRange(from_value=float(m["ge"]), to_value=float(m["le"]))
+            descriptor.floating_point_range = [limits]
+        elif hint is int:
+            limits = IntegerRange(from_value=int(m["ge"]), to_value=int(m["le"]))
+            descriptor.integer_range = [limits]
+    return descriptor
+
+
+def _watch(
+    node: Node,
+    config: C,
+    names: dict[str, str],
+    prefix: str,
+    on_change: Callable[[C], None] | None,
+) -> None:
+    hints = typing.get_type_hints(type(config))
+    current = config
+
+    def changed(parameters: list[Parameter]) -> C:
+        values = {names[p.name]: p.value for p in parameters if p.name in names}
+        kept = {f.name: getattr(current, f.name) for f in fields(current)}  # type: ignore[arg-type]
+        return config_files.config_from_mapping(type(current), {**kept, **values}, prefix)
+
+    def numbers_as_declared(parameters: list[Parameter]) -> list[Parameter]:
+        return [
+            Parameter(p.name, Parameter.Type.DOUBLE, float(p.value))
+            if p.type_ == Parameter.Type.INTEGER and hints.get(names.get(p.name, "")) is float
+            else p
+            for p in parameters
+        ]
+
+    def check(parameters: list[Parameter]) -> SetParametersResult:
+        try:
+            changed(parameters)
+        except ValueError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def apply(parameters: list[Parameter]) -> None:
+        nonlocal current
+        if any(p.name in names for p in parameters):
+            current = changed(parameters)
+            if on_change is not None:
+                on_change(current)
+
+    node.add_pre_set_parameters_callback(numbers_as_declared)
+    node.add_on_set_parameters_callback(check)
+    node.add_post_set_parameters_callback(apply)

@@ -1,0 +1,143 @@
+"""/tf and /tf_static: listening into our buffer, sending, and who else sends a transform."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.node import Node
+
+from floornav_common.ros.messages import ns_to_stamp, stamp_to_ns, transform_to_msg
+from floornav_common.ros.qos import TF_QOS, TF_STATIC_QOS, create_publisher, create_subscription
+from floornav_common.time_watch import Throttle
+from floornav_common.transform3 import Transform3
+from floornav_common.transform_buffer import TransformBuffer
+
+NO_TF = "tf2_msgs is not installed: transforms are neither heard nor sent"
+_WARN_PERIOD_NS = 5_000_000_000
+
+
+def tf_message_type() -> type | None:
+    """Return tf2_msgs/TFMessage; None where tf2_msgs is not installed."""
+    try:
+        from tf2_msgs.msg import TFMessage
+    except ImportError:
+        return None
+    message: type = TFMessage
+    return message
+
+
+class TransformListener:
+    """Fills a buffer from /tf and /tf_static and tells who waits that something came.
+
+    Args:
+        node: Node to subscribe on; `-r /tf:=tf` works as for upstream's nodes.
+        steady_ns: Where the steady clock is read, for throttled warnings.
+    """
+
+    def __init__(self, node: Node, steady_ns: Callable[[], int]) -> None:
+        """Subscribe at once."""
+        self.buffer = TransformBuffer()
+        self._node = node
+        self._steady_ns = steady_ns
+        self._warnings = Throttle(_WARN_PERIOD_NS)
+        self._on_update: list[Callable[[], None]] = []
+        message = tf_message_type()
+        if message is None:
+            node.get_logger().error(NO_TF)
+            return
+        create_subscription(node, message, "/tf", self._on_tf, TF_QOS)
+        create_subscription(node, message, "/tf_static", self._on_tf_static, TF_STATIC_QOS)
+
+    def on_update(self, callback: Callable[[], None]) -> None:
+        """Call back after every message that changed the buffer."""
+        self._on_update.append(callback)
+
+    def clear(self) -> None:
+        """Forget all that moves: the clock jumped back."""
+        self.buffer.clear()
+
+    def _on_tf(self, msg: Any) -> None:
+        self._store(msg, is_static=False)
+
+    def _on_tf_static(self, msg: Any) -> None:
+        self._store(msg, is_static=True)
+
+    def _store(self, msg: Any, *, is_static: bool) -> None:
+        for stamped in msg.transforms:
+            t, q = stamped.transform.translation, stamped.transform.rotation
+            try:
+                self.buffer.set_transform(
+                    stamped.header.frame_id, stamped.child_frame_id,
+                    stamp_to_ns(stamped.header.stamp),
+                    (t.x, t.y, t.z), (q.x, q.y, q.z, q.w), is_static,
+                )  # fmt: skip
+            except ValueError as error:
+                if self._warnings.is_due(self._steady_ns()):
+                    self._node.get_logger().warning(f"transform ignored: {error}")
+        for callback in self._on_update:
+            callback()
+
+
+class TransformBroadcaster:
+    """Sends moving transforms on /tf.
+
+    Args:
+        node: Node to publish with.
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Create the publisher; says so once where tf2_msgs is missing."""
+        self._message = tf_message_type()
+        if self._message is None:
+            node.get_logger().error(NO_TF)
+            return
+        self._publisher = create_publisher(node, self._message, "/tf", TF_QOS)
+
+    def send(self, parent: str, child: str, stamp_ns: int, transform: Transform3) -> None:
+        """Send `T_parent_child` of a stamp."""
+        self.send_all([(parent, child, stamp_ns, transform)])
+
+    def send_all(self, transforms: Sequence[tuple[str, str, int, Transform3]]) -> None:
+        """Send several (parent, child, stamp_ns, transform) in one message."""
+        if self._message is None:
+            return
+        msg = self._message()
+        msg.transforms = [_stamped(*each) for each in transforms]
+        self._publisher.publish(msg)
+
+
+class StaticTransformBroadcaster:
+    """Sends transforms that never change on /tf_static: all of them each time, latched.
+
+    Args:
+        node: Node to publish with.
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Create the publisher; says so once where tf2_msgs is missing."""
+        self._message = tf_message_type()
+        self._sent: dict[str, Any] = {}
+        if self._message is None:
+            node.get_logger().error(NO_TF)
+            return
+        qos = TF_STATIC_QOS
+        self._publisher = create_publisher(node, self._message, "/tf_static", qos)
+
+    def send(self, parent: str, child: str, stamp_ns: int, transform: Transform3) -> None:
+        """Send `T_parent_child`, together with all sent before."""
+        if self._message is None:
+            return
+        self._sent[child] = _stamped(parent, child, stamp_ns, transform)
+        msg = self._message()
+        msg.transforms = list(self._sent.values())
+        self._publisher.publish(msg)
+
+
+def _stamped(parent: str, child: str, stamp_ns: int, transform: Transform3) -> Any:
+    from geometry_msgs.msg import TransformStamped
+
+    msg = TransformStamped(child_frame_id=child)
+    msg.header.stamp, msg.header.frame_id = ns_to_stamp(stamp_ns), parent
+    msg.transform = transform_to_msg(transform)
+    return msg
