@@ -1,0 +1,1 @@
+"""Simulated worlds and robots: a core that imports no ROS, and one thin node."""

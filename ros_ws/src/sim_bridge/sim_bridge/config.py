@@ -1,0 +1,74 @@
+"""What a robot file may set: drive, wheels, odometry and laser, each with unit and range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from floornav_common.config import param, validate
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriveConfig:
+    """Limits of a differential drive between `cmd_vel` and the wheels."""
+
+    max_speed_m_s: float = param(1.667, "Fastest travel.", unit="m/s", gt=0.0)
+    max_yaw_rate_rad_s: float = param(1.5, "Fastest turn.", unit="rad/s", gt=0.0)
+    max_accel_m_s2: float = param(0.8, "Acceleration and braking limit.", unit="m/s^2", gt=0.0)
+    max_yaw_accel_rad_s2: float = param(2.5, "Turning limit.", unit="rad/s^2", gt=0.0)
+    command_delay_s: float = param(0.05, "Time until a command acts.", unit="s", ge=0.0)
+    command_timeout_s: float = param(0.5, "Silence after which it stops.", unit="s", gt=0.0)
+    absurd_factor: float = param(10.0, "A command this many times the limit is refused.", gt=1.0)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelConfig:
+    """Wheels and the ways in which they do not do what the encoders say."""
+
+    radius_m: float = param(0.19, "Wheel radius that the robot believes.", unit="m", gt=0.0)
+    track_m: float = param(0.50, "Distance between the wheels.", unit="m", gt=0.0)
+    ticks_per_turn: int = param(2048, "Encoder ticks a wheel turn; 0 = exact.", ge=0)
+    radius_error_sd: float = param(0.003, "Relative error of each radius, per run.", ge=0.0)
+    slip_mean: float = param(0.005, "Share of a wheel's travel lost on the floor.", ge=0.0, lt=1.0)
+    slip_sd: float = param(0.02, "Deviation of that share from its mean.", ge=0.0, lt=0.5)
+    slip_time_s: float = param(0.5, "How long a deviation lasts.", unit="s", gt=0.0)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OdometryConfig:
+    """Odometry messages and the uncertainty they claim."""
+
+    period_s: float = param(0.02, "Time between messages.", unit="s", gt=0.0)
+    distance_sd: float = param(0.02, "Deviation of travel after 1 m.", unit="m", ge=0.0)
+    yaw_sd_per_m: float = param(0.03, "Deviation of yaw after 1 m.", unit="rad", ge=0.0)
+    yaw_sd_per_rad: float = param(0.02, "Deviation of yaw after 1 rad.", unit="rad", ge=0.0)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaserConfig:
+    """A planar laser range finder."""
+
+    frame: str = param("laser", "Link of the robot's URDF that it sits on.")
+    num_beams: int = param(541, "Beams a scan.", ge=2, le=16000)
+    fov_rad: float = param(4.71238898038469, "Angle of first to last beam.", gt=0.0, lt=6.2832)
+    period_s: float = param(0.1, "Time between scans.", unit="s", gt=0.0)
+    range_min_m: float = param(0.05, "Nearer echoes are -inf.", unit="m", ge=0.0)
+    range_max_m: float = param(10.0, "Farther echoes are +inf.", unit="m", gt=0.0)
+    noise_sd_m: float = param(0.01, "Deviation of a range.", unit="m", ge=0.0)
+    quantum_m: float = param(0.001, "Step of the ranges; 0 = exact.", unit="m", ge=0.0)
+    dropout_share: float = param(0.002, "Share of beams that come back as NaN.", ge=0.0, le=1.0)
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.range_max_m <= self.range_min_m:
+            raise ValueError(
+                f"range_max_m must be > range_min_m = {self.range_min_m}, got {self.range_max_m}"
+            )

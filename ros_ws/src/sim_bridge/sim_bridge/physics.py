@@ -1,0 +1,201 @@
+"""The pybullet side: bodies, contacts, rays. Nothing else in the package knows pybullet.
+
+Robots move in the plane: each step their floor velocity is set, the engine resolves contacts,
+and height and tilt are put back. A robot against a wall stands while its wheels turn.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from floornav_common.se2 import SE2
+from sim_bridge.drive import Velocity
+from sim_bridge.robot_model import RobotModel
+from sim_bridge.solids import Solid
+
+_SCENERY_GROUP = 1
+_ALL_GROUPS = 0x3FFFFFFF
+_FLOOR_HALF_EDGE = 50.0
+
+
+class PybulletMissingError(RuntimeError):
+    """Pybullet is not installed; the text is one line for the user."""
+
+
+class Physics:
+    """One engine with the bodies of a world.
+
+    Args:
+        solids: The scenery.
+        robots: Model and start pose of each robot.
+        dt: Length of a step, s.
+        has_window: True opens pybullet's window.
+    """
+
+    def __init__(
+        self,
+        solids: list[Solid],
+        robots: dict[str, tuple[RobotModel, SE2]],
+        dt: float,
+        *,
+        has_window: bool = False,
+    ) -> None:
+        self._engine, self._client = _connect(has_window)
+        self._bodies: dict[str, int] = {}
+        self._groups: dict[str, int] = {}
+        self._floor = self._add_solid(_floor())
+        for solid in solids:
+            self._add_solid(solid)
+        for name, (model, pose) in robots.items():
+            self._add_robot(name, model, pose)
+        engine = self._engine
+        engine.setGravity(0.0, 0.0, -9.81, physicsClientId=self._client)
+        engine.setPhysicsEngineParameter(
+            fixedTimeStep=dt, deterministicOverlappingPairs=1, physicsClientId=self._client
+        )
+        self._start = engine.saveState(physicsClientId=self._client)
+        self._dt = dt
+
+    def close(self) -> None:
+        """Free the engine."""
+        if self._engine.isConnected(self._client):
+            self._engine.disconnect(physicsClientId=self._client)
+
+    def reset(self) -> None:
+        """Put every body back to where it started."""
+        self._engine.restoreState(stateId=self._start, physicsClientId=self._client)
+
+    def step(self, velocities: dict[str, Velocity]) -> None:
+        """Move everything on by one step; every robot needs its floor velocity."""
+        for name, velocity in velocities.items():
+            self._set_velocity(name, velocity)
+        self._engine.stepSimulation(physicsClientId=self._client)
+        for name in velocities:
+            self._set_pose(name, self.pose(name))
+
+    def pose(self, name: str) -> SE2:
+        """Return where a robot truly is."""
+        (x, y, _), (qx, qy, qz, qw) = self._engine.getBasePositionAndOrientation(
+            self._bodies[name], physicsClientId=self._client
+        )
+        yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+        return SE2(x, y, yaw)
+
+    def is_touching(self, name: str) -> bool:
+        """Tell whether a robot touches anything but the floor."""
+        contacts = self._engine.getContactPoints(
+            bodyA=self._bodies[name], physicsClientId=self._client
+        )
+        return any(c[2] != self._floor and c[8] <= 1e-4 for c in contacts)
+
+    def cast(self, name: str, T_base_sensor: np.ndarray, rays_sensor: np.ndarray) -> np.ndarray:
+        """Return how far rays of a robot's sensor reach, in shares of their length.
+
+        Args:
+            name: The robot; its own body does not stop its rays.
+            T_base_sensor: Pose of the sensor on the robot, (4, 4).
+            rays_sensor: End of each ray in the sensor frame, shape (N, 3), m.
+
+        Returns:
+            Shape (N,): 0..1 where something is hit, inf where nothing is.
+        """
+        pose = self.pose(name)
+        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+        T_world_base = np.array([[c, -s, 0, pose.x], [s, c, 0, pose.y], [0, 0, 1, 0], [0, 0, 0, 1]])
+        T = T_world_base @ T_base_sensor
+        ends = rays_sensor @ T[:3, :3].T + T[:3, 3]
+        hits = self._engine.rayTestBatch(
+            [T[:3, 3].tolist()] * len(ends),
+            ends.tolist(),
+            collisionFilterMask=_ALL_GROUPS & ~self._groups[name],
+            physicsClientId=self._client,
+        )
+        return np.array([hit[2] if hit[0] >= 0 else math.inf for hit in hits])
+
+    def _set_velocity(self, name: str, velocity: Velocity) -> None:
+        # Along the middle direction of the step, with the chord of the arc: no curve is cut.
+        turn = velocity.yaw_rate * self._dt
+        middle = self.pose(name).yaw + turn / 2.0
+        speed = velocity.speed * float(np.sinc(turn / (2.0 * np.pi)))
+        self._engine.resetBaseVelocity(
+            self._bodies[name],
+            [speed * math.cos(middle), speed * math.sin(middle), 0.0],
+            [0.0, 0.0, velocity.yaw_rate],
+            physicsClientId=self._client,
+        )
+
+    def _set_pose(self, name: str, pose: SE2) -> None:
+        quat_xyzw = [0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)]
+        self._engine.resetBasePositionAndOrientation(
+            self._bodies[name], [pose.x, pose.y, 0.0], quat_xyzw, physicsClientId=self._client
+        )
+
+    def _add_solid(self, solid: Solid) -> int:
+        engine, client = self._engine, self._client
+        half = [extent / 2.0 for extent in solid.size]
+        if solid.is_round:
+            kind = engine.GEOM_CYLINDER
+            shape: dict[str, Any] = {"radius": half[0]}
+            lengths = {"height": solid.size[2]}, {"length": solid.size[2]}
+        else:
+            kind, shape, lengths = engine.GEOM_BOX, {"halfExtents": half}, ({}, {})
+        body: int = engine.createMultiBody(
+            solid.mass,
+            engine.createCollisionShape(kind, **shape, **lengths[0], physicsClientId=client),
+            engine.createVisualShape(
+                kind, rgbaColor=[*solid.color, 1.0], **shape, **lengths[1], physicsClientId=client
+            ),
+            [solid.pose.x, solid.pose.y, solid.bottom + half[2]],
+            [0.0, 0.0, math.sin(solid.pose.yaw / 2.0), math.cos(solid.pose.yaw / 2.0)],
+            physicsClientId=client,
+        )
+        self._set_group(body, _SCENERY_GROUP)
+        return body
+
+    def _add_robot(self, name: str, model: RobotModel, pose: SE2) -> None:
+        engine, client = self._engine, self._client
+        body = engine.loadURDF(
+            str(model.urdf_path),
+            [pose.x, pose.y, 0.0],
+            [0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)],
+            physicsClientId=client,
+        )
+        self._bodies[name] = body
+        self._groups[name] = 1 << (len(self._bodies) + 1)
+        self._set_group(body, self._groups[name])
+        for link in range(-1, engine.getNumJoints(body, physicsClientId=client)):
+            engine.changeDynamics(
+                body, link, linearDamping=0.0, angularDamping=0.0, lateralFriction=0.2,
+                physicsClientId=client,
+            )  # fmt: skip
+            engine.setCollisionFilterPair(body, self._floor, link, -1, 0, physicsClientId=client)
+
+    def _set_group(self, body: int, group: int) -> None:
+        for link in range(-1, self._engine.getNumJoints(body, physicsClientId=self._client)):
+            self._engine.setCollisionFilterGroupMask(
+                body, link, group, _ALL_GROUPS, physicsClientId=self._client
+            )
+
+
+def _floor() -> Solid:
+    edge = 2.0 * _FLOOR_HALF_EDGE
+    return Solid(
+        "floor", SE2.identity(), (edge, edge, 0.1), -0.1, False, (0.62, 0.60, 0.56), 0.0
+    )
+
+
+def _connect(has_window: bool) -> tuple[Any, int]:
+    try:
+        import pybullet
+    except ImportError as error:
+        raise PybulletMissingError(
+            "sim_bridge needs pybullet, which has a ready wheel for Python 3.11 only: "
+            "use Python 3.11, or build it (see the README of sim_bridge)"
+        ) from error
+    client = pybullet.connect(pybullet.GUI if has_window else pybullet.DIRECT)
+    if client < 0:
+        raise RuntimeError("pybullet could not open its window: is there a display?")
+    return pybullet, client

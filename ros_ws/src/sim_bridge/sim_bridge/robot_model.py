@@ -1,0 +1,104 @@
+"""Robot files: a YAML of figures beside a URDF of shapes and sensor places."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from sim_bridge.config import DriveConfig, LaserConfig, OdometryConfig, WheelConfig
+from sim_bridge.schema import WorldError, build, load_yaml
+from sim_bridge.world import RobotPlacement
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotFile:
+    """Schema of a file in `robots/`."""
+
+    urdf: str
+    footprint_m: tuple[tuple[float, float], ...]
+    height_m: float
+    drive: DriveConfig = DriveConfig()
+    wheels: WheelConfig = WheelConfig()
+    odometry: OdometryConfig = OdometryConfig()
+    laser: LaserConfig | None = None
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """A robot file with its URDF read.
+
+    Attributes:
+        config: The robot file.
+        urdf_path: The URDF.
+        urdf: Its text, for `robot_description`.
+        mounts: `T_base_link` of each link fixed to `base_link`, (4, 4), by link name.
+    """
+
+    config: RobotFile
+    urdf_path: Path
+    urdf: str
+    mounts: dict[str, np.ndarray]
+
+
+def robot_names() -> list[str]:
+    """Return the names of the robots in the package, sorted."""
+    folder = resources.files("sim_bridge") / "robots"
+    return sorted(f.name[: -len(".yaml")] for f in folder.iterdir() if f.name.endswith(".yaml"))
+
+
+def load_robot(placement: RobotPlacement) -> RobotModel:
+    """Load the robot that a world names, with the world's overrides.
+
+    Raises:
+        WorldError: Unknown model, bad key, or a laser on a link that the URDF does not have.
+    """
+    if placement.model not in robot_names():
+        known = ", ".join(robot_names())
+        raise WorldError(f"no robot model named {placement.model!r}; there are: {known}")
+    folder = Path(str(resources.files("sim_bridge") / "robots"))
+    data = _merged(load_yaml(folder / f"{placement.model}.yaml"), placement.overrides)
+    config = build(RobotFile, data, f"robot {placement.model}")
+    urdf_path = folder / config.urdf
+    urdf = urdf_path.read_text(encoding="utf-8")
+    mounts = _fixed_mounts(urdf)
+    if config.laser is not None and config.laser.frame not in mounts:
+        raise WorldError(f"robot {placement.model}: no link {config.laser.frame!r} in its URDF")
+    return RobotModel(config, urdf_path, urdf, mounts)
+
+
+def _merged(data: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(data)
+    for key, value in overrides.items():
+        old = merged.get(key)
+        both = isinstance(old, dict) and isinstance(value, dict)
+        merged[key] = _merged(old, value) if both else value  # type: ignore[arg-type]
+    return merged
+
+
+def _fixed_mounts(urdf: str) -> dict[str, np.ndarray]:
+    """Return the pose in base_link of every link reached over fixed joints."""
+    mounts = {"base_link": np.eye(4)}
+    joints = [j for j in ElementTree.fromstring(urdf).findall("joint") if j.get("type") == "fixed"]
+    for _ in joints:
+        for joint in joints:
+            parent, child = joint.find("parent"), joint.find("child")
+            if parent is None or child is None or parent.get("link") not in mounts:
+                continue
+            mounts[str(child.get("link"))] = mounts[str(parent.get("link"))] @ _origin(joint)
+    return {link: T for link, T in mounts.items() if link != "base_link"}
+
+
+def _origin(joint: ElementTree.Element) -> np.ndarray:
+    T = np.eye(4)
+    origin = joint.find("origin")
+    if origin is not None:
+        T[:3, 3] = [float(v) for v in origin.get("xyz", "0 0 0").split()]
+        rpy = [float(v) for v in origin.get("rpy", "0 0 0").split()]
+        T[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
+    return T

@@ -1,0 +1,210 @@
+"""A world that steps: commands in, observations out; the same seed gives the same bytes."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from sim_bridge.drive import DriveState, Velocity, drive_step, refusal
+from sim_bridge.laser import beam_directions, measure
+from sim_bridge.physics import Physics
+from sim_bridge.robot_model import RobotModel, load_robot
+from sim_bridge.schema import WorldError
+from sim_bridge.solids import Solid, moved, solids_of
+from sim_bridge.wheels import (
+    OdometryState,
+    WheelState,
+    first_odometry,
+    first_wheel_state,
+    odometry_step,
+    wheels_step,
+)
+from sim_bridge.world import World
+
+STEP_NS = 10_000_000
+_BEYOND = 1.05  # rays are this much longer than range_max, so that noise may bring echoes in
+
+
+@dataclass(frozen=True)
+class GroundTruth:
+    """What no sensor knows.
+
+    Attributes:
+        pose: `T_world_base`.
+        velocity: Of the base over the floor.
+        is_touching: True while the robot touches anything but the floor.
+    """
+
+    pose: SE2
+    velocity: Velocity
+    is_touching: bool
+
+
+@dataclass(frozen=True)
+class RobotObservation:
+    """What one robot's sensors gave in a step; None where a sensor was not due.
+
+    Attributes:
+        scan: A sweep taken at the end of the step.
+        odometry: Dead reckoning at the end of the step.
+        refused: Why the command of this step was refused; "" if it was not.
+        ground_truth: For judges only; never part of a sensor message.
+    """
+
+    scan: Scan | None
+    odometry: OdometryState | None
+    refused: str
+    ground_truth: GroundTruth
+
+
+@dataclass(frozen=True)
+class Observations:
+    """All robots at one instant of simulated time."""
+
+    stamp_ns: int
+    robots: dict[str, RobotObservation]
+
+
+@dataclass
+class _RobotState:
+    drive: DriveState
+    wheels: WheelState
+    odometry: OdometryState
+    odometry_ns: int
+    rng_wheels: np.random.Generator
+    rng_laser: np.random.Generator
+
+
+class Simulation:
+    """Model, state and step of a world.
+
+    Args:
+        world: What is simulated.
+        seed: Seed of every random number.
+        has_window: True shows pybullet's window.
+        T_new_old: Moves the whole world, robots included (for the test that this changes nothing).
+
+    Raises:
+        WorldError: Unknown robot model, or a robot that starts inside something.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        *,
+        seed: int = 0,
+        has_window: bool = False,
+        T_new_old: SE2 | None = None,
+    ) -> None:
+        T = SE2.identity() if T_new_old is None else T_new_old
+        self.world = world
+        self.solids = moved(solids_of(world), T)
+        self.models = {placed.name: load_robot(placed) for placed in world.robots}
+        self.starts = {placed.name: T @ placed.pose for placed in world.robots}
+        for name, model in self.models.items():
+            _require_free(name, model, self.starts[name], self.solids)
+        robots = {name: (model, self.starts[name]) for name, model in self.models.items()}
+        self._physics = Physics(self.solids, robots, STEP_NS * 1e-9, has_window=has_window)
+        self._rays = {
+            name: _BEYOND * model.config.laser.range_max_m * beam_directions(model.config.laser)
+            for name, model in self.models.items()
+            if model.config.laser is not None
+        }
+        self._seed = seed
+        self._states: dict[str, _RobotState] = {}
+        self.stamp_ns = 0
+        self.reset()
+
+    def reset(self, seed: int | None = None) -> None:
+        """Go back to the start, with the same seed or another one."""
+        self._seed = self._seed if seed is None else seed
+        self.stamp_ns = 0
+        self._physics.reset()
+        self._states = {name: self._first_state(name) for name in self.models}
+
+    def close(self) -> None:
+        """Free the physics engine."""
+        self._physics.close()
+
+    def step(self, commands: Mapping[str, Velocity]) -> Observations:
+        """Go on by `STEP_NS`.
+
+        Args:
+            commands: New commands by robot name; a robot without one keeps its last until that
+                times out. A refused command stops its robot and is named in the observation.
+        """
+        dt = STEP_NS * 1e-9
+        floor: dict[str, Velocity] = {}
+        for name, model in self.models.items():
+            state, config = self._states[name], model.config
+            state.drive = drive_step(config.drive, state.drive, commands.get(name), dt)
+            state.wheels, floor[name] = wheels_step(
+                config.wheels, state.wheels, state.drive.velocity, dt, state.rng_wheels
+            )
+        before = {name: self._physics.pose(name) for name in self.models}
+        self._physics.step(floor)
+        self.stamp_ns += STEP_NS
+        robots = {
+            name: self._observe(name, commands.get(name), before[name]) for name in self.models
+        }
+        return Observations(self.stamp_ns, robots)
+
+    def _observe(self, name: str, command: Velocity | None, before: SE2) -> RobotObservation:
+        config = self.models[name].config
+        pose, dt = self._physics.pose(name), STEP_NS * 1e-9
+        motion = before.between(pose)
+        velocity = Velocity(math.copysign(motion.distance, motion.x) / dt, motion.yaw / dt)
+        return RobotObservation(
+            scan=self._scan(name),
+            odometry=self._odometry(name),
+            refused="" if command is None else refusal(config.drive, command),
+            ground_truth=GroundTruth(pose, velocity, self._physics.is_touching(name)),
+        )
+
+    def _scan(self, name: str) -> Scan | None:
+        model = self.models[name]
+        laser = model.config.laser
+        if laser is None or not _is_due(self.stamp_ns, laser.period_s):
+            return None
+        share = self._physics.cast(name, model.mounts[laser.frame], self._rays[name])
+        distances = share * _BEYOND * laser.range_max_m
+        return measure(laser, distances, self._states[name].rng_laser)
+
+    def _odometry(self, name: str) -> OdometryState | None:
+        config, state = self.models[name].config, self._states[name]
+        if not _is_due(self.stamp_ns, config.odometry.period_s):
+            return None
+        dt = (self.stamp_ns - state.odometry_ns) * 1e-9
+        state.odometry = odometry_step(
+            config.wheels, config.odometry, state.odometry, state.wheels.turned, dt
+        )
+        state.odometry_ns = self.stamp_ns
+        return state.odometry
+
+    def _first_state(self, name: str) -> _RobotState:
+        streams = np.random.SeedSequence([self._seed, zlib.crc32(name.encode())]).spawn(2)
+        rng_wheels, rng_laser = (np.random.default_rng(stream) for stream in streams)
+        wheels = first_wheel_state(self.models[name].config.wheels, rng_wheels)
+        return _RobotState(DriveState(), wheels, first_odometry(), 0, rng_wheels, rng_laser)
+
+
+def _is_due(stamp_ns: int, period_s: float) -> bool:
+    period_ns = max(round(period_s * 1e9), STEP_NS)
+    return stamp_ns // period_ns != (stamp_ns - STEP_NS) // period_ns
+
+
+def _require_free(name: str, model: RobotModel, start: SE2, solids: list[Solid]) -> None:
+    corners = np.array(model.config.footprint_m)
+    around = np.vstack([np.linspace(a, b, 20) for a, b in zip(corners, np.roll(corners, -1, 0))])
+    footprint = start @ np.vstack([share * around for share in np.linspace(0.0, 1.0, 12)])
+    for solid in solids:
+        reaches = solid.bottom < model.config.height_m
+        if reaches and (solid.signed_distance(footprint) <= 0.0).any():
+            where = f"({start.x:g}, {start.y:g})"
+            raise WorldError(f"robot {name or '(unnamed)'!s} at {where} is inside {solid.name!r}")

@@ -1,0 +1,133 @@
+"""The solids a world consists of, and their outline at a height (the truth a map is judged by)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from floornav_common.se2 import SE2
+from sim_bridge.world import Color, Furniture, Wall, World
+
+_BOARD = 0.03
+_BOARD_GAP = 0.45
+_CIRCLE_POINTS = 48
+
+
+@dataclass(frozen=True)
+class Solid:
+    """An upright box or cylinder.
+
+    Attributes:
+        name: For errors and pictures.
+        pose: Middle of its footprint in the world; a box's sides lie along x and y of it.
+        size: Full extents (x, y, z), m; a cylinder has twice its radius as x and y.
+        bottom: Height of its lower face, m.
+        is_round: True for a cylinder.
+        color: RGB, 0..1.
+        mass: kg; 0 = fixed.
+    """
+
+    name: str
+    pose: SE2
+    size: tuple[float, float, float]
+    bottom: float
+    is_round: bool
+    color: Color
+    mass: float = 0.0
+
+    def is_at_height(self, height: float) -> bool:
+        """Tell whether a horizontal plane at this height (m) cuts the solid."""
+        return self.bottom <= height <= self.bottom + self.size[2]
+
+    def signed_distance(self, points_world: np.ndarray) -> np.ndarray:
+        """Return the distance of points (N, 2) to the footprint's edge, m; inside negative."""
+        local = self.pose.inverse() @ points_world
+        if self.is_round:
+            return np.hypot(local[:, 0], local[:, 1]) - self.size[0] / 2.0
+        beyond = np.abs(local) - np.array(self.size[:2]) / 2.0
+        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+        return np.asarray(outside + np.minimum(beyond.max(axis=1), 0.0))
+
+    def outline(self) -> np.ndarray:
+        """Return the corners of the footprint in the world, counter-clockwise, (N, 2), m."""
+        if self.is_round:
+            angles = np.linspace(0.0, 2.0 * np.pi, _CIRCLE_POINTS, endpoint=False)
+            corners = self.size[0] / 2.0 * np.column_stack((np.cos(angles), np.sin(angles)))
+        else:
+            corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.array(self.size[:2]) / 2
+        return self.pose @ corners
+
+
+def solids_of(world: World) -> list[Solid]:
+    """Return every solid of a world, walls first, in the order of the file."""
+    solids = [piece for wall in world.walls for piece in _wall_pieces(wall)]
+    for box in world.boxes:
+        pose = SE2(*box.center_m, math.radians(box.yaw_deg))
+        solids.append(Solid(box.name, pose, box.size_m, 0.0, False, box.color, box.mass_kg))
+    for table in world.tables:
+        solids += _parts(table, _table_parts(table.size_m))
+    for shelf in world.shelves:
+        solids += _parts(shelf, _shelf_parts(shelf.size_m))
+    for column in world.columns:
+        size = (2 * column.radius_m, 2 * column.radius_m, column.height_m)
+        pose = SE2(*column.center_m, 0.0)
+        solids.append(Solid(column.name, pose, size, 0.0, True, column.color, column.mass_kg))
+    return solids
+
+
+def moved(solids: list[Solid], T_new_old: SE2) -> list[Solid]:
+    """Return the solids as seen after moving the whole world by a motion."""
+    return [replace(solid, pose=T_new_old @ solid.pose) for solid in solids]
+
+
+def distance_to_surface(solids: list[Solid], points_world: np.ndarray) -> np.ndarray:
+    """Return the distance of each point (N, 2) to the nearest footprint edge, shape (N,), m."""
+    if not solids:
+        return np.full(len(points_world), np.inf)
+    return np.min([np.abs(solid.signed_distance(points_world)) for solid in solids], axis=0)
+
+
+def _wall_pieces(wall: Wall) -> list[Solid]:
+    (x0, y0), (x1, y1) = wall.from_m, wall.to_m
+    T_world_wall = SE2(x0, y0, math.atan2(y1 - y0, x1 - x0))
+    # Half a thickness longer at both ends, so that walls meet in closed corners.
+    cuts = [-wall.thickness_m / 2.0]
+    for door in sorted(wall.doors, key=lambda door: door.at_m):
+        cuts += [door.at_m - door.width_m / 2.0, door.at_m + door.width_m / 2.0]
+    cuts.append(wall.length + wall.thickness_m / 2.0)
+    pieces = []
+    for start, end in zip(cuts[::2], cuts[1::2], strict=True):
+        if end - start > 1e-9:
+            pose = T_world_wall @ SE2((start + end) / 2.0, 0.0, 0.0)
+            size = (end - start, wall.thickness_m, wall.height_m)
+            pieces.append(Solid("wall", pose, size, 0.0, False, wall.color))
+    return pieces
+
+
+_Part = tuple[float, float, float, tuple[float, float, float]]  # x, y, bottom, size
+
+
+def _parts(item: Furniture, parts: list[_Part]) -> list[Solid]:
+    T_world_item = SE2(*item.center_m, math.radians(item.yaw_deg))
+    return [
+        Solid(item.name, T_world_item @ SE2(x, y, 0.0), size, bottom, False, item.color)
+        for x, y, bottom, size in parts
+    ]
+
+
+def _table_parts(size: tuple[float, float, float], leg: float = 0.05) -> list[_Part]:
+    length, width, height = size
+    x, y = (length - leg) / 2.0, (width - leg) / 2.0
+    legs = [(i * x, j * y, 0.0, (leg, leg, height - _BOARD)) for i in (-1, 1) for j in (-1, 1)]
+    return [*legs, (0.0, 0.0, height - _BOARD, (length, width, _BOARD))]
+
+
+def _shelf_parts(size: tuple[float, float, float]) -> list[_Part]:
+    depth, width, height = size
+    y = (width - _BOARD) / 2.0
+    parts = [(0.0, j * y, 0.0, (depth, _BOARD, height)) for j in (-1, 1)]
+    parts.append((-(depth - _BOARD) / 2.0, 0.0, 0.0, (_BOARD, width, height)))
+    levels = np.arange(0.08, height, _BOARD_GAP)
+    return [*parts, *((0.0, 0.0, float(z), (depth, width, _BOARD)) for z in levels)]

@@ -1,0 +1,163 @@
+"""A world as data: walls with doors, furniture, robots and a route (schema of the YAML files).
+
+Lengths are metres, angles degrees (people write these files); everything else in the package is
+SI. Every key is a field below; a field without default is required; unknown keys are refused.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from floornav_common.se2 import SE2
+from sim_bridge.schema import WorldError, build, load_yaml
+
+Point = tuple[float, float]
+Size = tuple[float, float, float]
+Color = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Door:
+    """An opening in a wall; `at_m` is its middle, measured from the wall's start."""
+
+    at_m: float
+    width_m: float = 0.95
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wall:
+    """A straight upright wall along its middle line, with openings."""
+
+    from_m: Point
+    to_m: Point
+    thickness_m: float = 0.12
+    height_m: float = 2.4
+    color: Color = (0.87, 0.85, 0.80)
+    doors: tuple[Door, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.length < 1e-6:
+            raise ValueError(f"the wall at {list(self.from_m)} has zero length")
+        _require_positive(thickness_m=self.thickness_m, height_m=self.height_m)
+        end = 0.0
+        for door in sorted(self.doors, key=lambda door: door.at_m):
+            _require_positive(width_m=door.width_m)
+            if door.at_m - door.width_m / 2 < end or door.at_m + door.width_m / 2 > self.length:
+                raise ValueError(f"the door at {door.at_m} m overlaps another or leaves the wall")
+            end = door.at_m + door.width_m / 2
+
+    @property
+    def length(self) -> float:
+        """Length of the middle line, m."""
+        return math.dist(self.from_m, self.to_m)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Furniture:
+    """A box, table (top on four legs) or shelf (open to its +x side): one bounding box each."""
+
+    name: str
+    center_m: Point
+    size_m: Size
+    yaw_deg: float = 0.0
+    mass_kg: float = 0.0
+    color: Color = (0.72, 0.53, 0.35)
+
+    def __post_init__(self) -> None:
+        _require_positive(**{f"size_m[{k}]": value for k, value in enumerate(self.size_m)})
+        if self.mass_kg < 0.0:
+            raise ValueError(f"mass_kg must be >= 0 (0 = fixed), got {self.mass_kg}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """An upright cylinder."""
+
+    name: str
+    center_m: Point
+    radius_m: float
+    height_m: float = 2.4
+    mass_kg: float = 0.0
+    color: Color = (0.75, 0.75, 0.78)
+
+    def __post_init__(self) -> None:
+        _require_positive(radius_m=self.radius_m, height_m=self.height_m)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotPlacement:
+    """One robot: its name ("" for the only one), its file in `robots/`, and where it starts.
+
+    `overrides` changes keys of the robot file, such as `{laser: {num_beams: 1081}}`.
+    """
+
+    model: str
+    position_m: Point
+    yaw_deg: float = 0.0
+    name: str = ""
+    overrides: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def pose(self) -> SE2:
+        """Start pose in the world."""
+        return SE2(*self.position_m, math.radians(self.yaw_deg))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Route:
+    """Waypoints in the world that the demo drives through, and how fast."""
+
+    waypoints_m: tuple[Point, ...]
+    speed_m_s: float = 0.8
+
+
+@dataclass(frozen=True, kw_only=True)
+class World:
+    """Everything a simulation is built from."""
+
+    name: str
+    description: str = ""
+    walls: tuple[Wall, ...] = ()
+    boxes: tuple[Furniture, ...] = ()
+    tables: tuple[Furniture, ...] = ()
+    shelves: tuple[Furniture, ...] = ()
+    columns: tuple[Column, ...] = ()
+    robots: tuple[RobotPlacement, ...] = ()
+    route: Route | None = None
+
+    def __post_init__(self) -> None:
+        names = [robot.name for robot in self.robots]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two robots have the name {name!r}")
+
+
+def world_names() -> list[str]:
+    """Return the names of the worlds in the package, sorted."""
+    folder = resources.files("sim_bridge") / "worlds"
+    return sorted(f.name[: -len(".yaml")] for f in folder.iterdir() if f.name.endswith(".yaml"))
+
+
+def load_world(name_or_path: str | Path) -> World:
+    """Load a world of the package by name, or any YAML file by path.
+
+    Raises:
+        WorldError: If there is none of that name or the file does not hold to the schema.
+    """
+    path = Path(name_or_path)
+    if path.suffix not in (".yaml", ".yml"):
+        if str(name_or_path) not in world_names():
+            known = ", ".join(world_names())
+            raise WorldError(f"no world named {str(name_or_path)!r}; there are: {known}")
+        path = Path(str(resources.files("sim_bridge") / "worlds" / f"{name_or_path}.yaml"))
+    return build(World, load_yaml(path), path.name)
+
+
+def _require_positive(**values: float) -> None:
+    for name, value in values.items():
+        if not value > 0.0:
+            raise ValueError(f"{name} must be > 0, got {value:g}")
