@@ -8,6 +8,7 @@ from typing import Any
 from floornav_common.transform_buffer import clean_frame
 from grid_mapper.recordings.bag import Bag
 from grid_mapper.recordings.bag_types import ODOM_TYPE, RANGE_TYPE, SCAN_TYPE, TF_TYPE
+from grid_mapper.recordings.bag_messages import StampedTransform, transforms_from
 from grid_mapper.recordings.events import RecordingError, RecordingOptions
 
 SCAN_NAME = "scan"
@@ -16,9 +17,15 @@ ODOM_NAME = "odom"
 
 @dataclass
 class FrameTree:
-    """Which frames hang together at any time of the bag."""
+    """Which frames hang together at any time of the bag.
+
+    Attributes:
+        groups: For each frame all that it hangs together with.
+        statics: First static transform of each child frame.
+    """
 
     groups: dict[str, set[str]] = field(default_factory=dict)
+    statics: dict[str, StampedTransform] = field(default_factory=dict)
 
     def join(self, parent: str, child: str) -> None:
         """Note that a transform between two frames was recorded."""
@@ -42,6 +49,7 @@ class Choice:
         tf_topics: All topics of type TFMessage.
         base_frame: Frame of the robot.
         odom_frame: Frame of the odometry in TF; None where TF is not used for it.
+        statics: Static transforms; they hold from the start, whenever they were recorded.
         info: What the user shall know.
     """
 
@@ -51,7 +59,13 @@ class Choice:
     tf_topics: tuple[str, ...]
     base_frame: str
     odom_frame: str | None
+    statics: tuple[StampedTransform, ...]
     info: tuple[str, ...]
+
+
+def is_static_topic(name: str) -> bool:
+    """Tell whether transforms of a topic hold at any time."""
+    return name.endswith("tf_static")
 
 
 def choose(bag: Bag, options: RecordingOptions) -> Choice:
@@ -79,8 +93,9 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
         odom_topic = None
     info = (scan_info, laser_info, odom_info)
     return Choice(
-        scan_topic, options.sonar_topics, odom_topic, tf_topics, base, odom_frame, info
-    )
+        scan_topic, options.sonar_topics, odom_topic, tf_topics, base, odom_frame,
+        tuple(tree.statics.values()), info,
+    )  # fmt: skip
 
 
 def choose_scan_topic(bag: Bag, options: RecordingOptions) -> tuple[str, str]:
@@ -134,14 +149,16 @@ def _read_tree(bag: Bag, tf_topics: tuple[str, ...]) -> FrameTree:
     seen: set[tuple[str, str]] = set()
     for message in bag.messages(tf_topics) if tf_topics else ():
         try:
-            transforms = bag.deserialize(message).transforms
+            transforms = list(transforms_from(bag.deserialize(message)))
         except ValueError:
             continue
         for transform in transforms:
-            pair = (transform.header.frame_id, transform.child_frame_id)
+            pair = (transform[0], transform[1])
             if pair not in seen and all(name.strip("/") for name in pair):
                 seen.add(pair)
                 tree.join(clean_frame(pair[0]), clean_frame(pair[1]))
+                if is_static_topic(message.topic):
+                    tree.statics.setdefault(pair[1], transform)
     return tree
 
 

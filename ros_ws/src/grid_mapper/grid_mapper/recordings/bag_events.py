@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,13 +11,14 @@ from typing import Any
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
 from floornav_common.transform_buffer import (
-    ExtrapolationIntoPast,
+    PastExtrapolationError,
     TransformBuffer,
     TransformUnavailable,
 )
 from grid_mapper.recordings.bag import Bag, Message
-from grid_mapper.recordings.bag_choice import Choice, choose
+from grid_mapper.recordings.bag_choice import Choice, choose, is_static_topic
 from grid_mapper.recordings.bag_messages import (
+    StampedTransform,
     odometry_from,
     range_event,
     scan_event,
@@ -29,10 +30,9 @@ from grid_mapper.recordings.ordering import JUMP_NS, StampWatch
 from grid_mapper.recordings.pose_track import PoseTrack
 
 KEEP_ODOM_NS = 10_000_000_000
-STATIC_NAME = "tf_static"
 
 
-class NeverCovered(Exception):
+class NeverCoveredError(Exception):
     """No transform will come for a stamp any more."""
 
 
@@ -60,11 +60,12 @@ class Lockstep:
         self._odom = PoseTrack()
         self._waiting: list[Waiting] = []
         self._num_taken = 0
+        self._set_transforms(choice.statics, is_static=True)
 
     def take(self, message: Message, content: Any) -> Iterator[Event]:
         """Take one message; yield every event that it makes ready."""
         if message.topic in self._choice.tf_topics:
-            self._take_transforms(content, message.topic.endswith(STATIC_NAME))
+            self._set_transforms(transforms_from(content), is_static_topic(message.topic))
         elif message.topic == self._choice.odom_topic:
             self._take_odometry(content)
         else:
@@ -76,8 +77,8 @@ class Lockstep:
         self._counts.without_transform += len(self._waiting)
         self._waiting.clear()
 
-    def _take_transforms(self, content: Any, is_static: bool) -> None:
-        for parent, child, stamp_ns, xyz, quat_xyzw in transforms_from(content):
+    def _set_transforms(self, transforms: Iterable[StampedTransform], is_static: bool) -> None:
+        for parent, child, stamp_ns, xyz, quat_xyzw in transforms:
             try:
                 self._buffer.set_transform(parent, child, stamp_ns, xyz, quat_xyzw, is_static)
             except ValueError:
@@ -109,7 +110,7 @@ class Lockstep:
             reading = self._waiting[0]
             try:
                 event = self._event(reading)
-            except NeverCovered:
+            except NeverCoveredError:
                 self._counts.without_transform += 1
             else:
                 if event is None:
@@ -129,8 +130,8 @@ class Lockstep:
                     self._choice.base_frame, frame, reading.stamp_ns
                 )
             T_odom_base = self._odometry(reading.stamp_ns)
-        except ExtrapolationIntoPast as error:
-            raise NeverCovered from error
+        except PastExtrapolationError as error:
+            raise NeverCoveredError from error
         except TransformUnavailable:
             return None
         if self._options.use_odom and T_odom_base is None:
@@ -147,7 +148,7 @@ class Lockstep:
             return self._buffer.lookup(self._choice.odom_frame, choice.base_frame, stamp_ns).to_se2()
         oldest_ns = self._odom.oldest_ns()
         if oldest_ns is not None and stamp_ns < oldest_ns:
-            raise NeverCovered
+            raise NeverCoveredError
         return self._odom.at(stamp_ns)
 
 

@@ -62,6 +62,27 @@ Event = ScanEvent | RangeEvent
 
 
 @dataclass(frozen=True, kw_only=True)
+class WheelOptions:
+    """Wheels of a robot whose log has only encoder ticks; the defaults are the Mines rover's.
+
+    Attributes:
+        ticks_per_turn: Encoder ticks of one full wheel turn.
+        wheel_radius_m: m.
+        half_axle_m: From the middle of the axle to a wheel, m.
+    """
+
+    ticks_per_turn: float = 2000.0
+    wheel_radius_m: float = 0.077
+    half_axle_m: float = 0.165
+
+    def __post_init__(self) -> None:
+        """Refuse what no wheel has."""
+        for name in ("ticks_per_turn", "wheel_radius_m", "half_axle_m"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be > 0, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, kw_only=True)
 class RecordingOptions:
     """What the user says about a recording; None leaves it to the recording itself.
 
@@ -73,6 +94,7 @@ class RecordingOptions:
         use_odom: False where odometry shall not be read.
         base_frame: Frame of the robot in a bag.
         odom_frame: Frame of the odometry in a bag.
+        wheels: Geometry for logs of wheel ticks.
     """
 
     scan_topic: str | None = None
@@ -82,6 +104,7 @@ class RecordingOptions:
     use_odom: bool = True
     base_frame: str = "base_link"
     odom_frame: str = "odom"
+    wheels: WheelOptions = WheelOptions()
 
 
 @dataclass
