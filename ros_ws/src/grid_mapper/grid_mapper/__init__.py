@@ -1,0 +1,1 @@
+"""Scans and odometry to a pose and an occupancy map, live and from recordings."""

@@ -1,0 +1,133 @@
+"""Every value of the laser mapper that can be set; a default stands here and nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import pi
+
+from floornav_common.config import param, validate
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScanMatcherConfig:
+    """Scan-to-map ICP in the plane."""
+
+    cell_m: float = param(
+        0.25, "Edge of the cells that hold the map to match to.", unit="m", gt=0.0, le=2.0
+    )
+    max_pair_distance_m: float = param(
+        0.5, "Greatest distance of a point to the map cell it is paired with.", unit="m", gt=0.0
+    )
+    range_sigma_m: float = param(
+        0.02, "Deviation of a point across the surface it lies on.", unit="m", gt=0.0
+    )
+    max_points_per_cell: int = param(
+        50, "A map cell takes no more points than this: the first passes fix the map.", ge=1
+    )
+    max_iterations: int = param(30, "Gauss-Newton steps at most.", ge=1)
+    stop_step_m: float = param(
+        1e-4, "A step shorter than this (and as many radians) ends the iteration.", unit="m", gt=0.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelGridConfig:
+    """The published label grid (glass paper, section 4)."""
+
+    range_tolerance_m: float = param(0.05, "dr_L, half a wall's sampled depth.", unit="m", ge=0.0)
+    beam_angle_rad: float = param(
+        0.0, "alpha_L, opening of a beam's sector; 0 takes the scan's angle increment.",
+        unit="rad", ge=0.0, lt=pi / 2.0,
+    )  # fmt: skip
+    noise_points: int = param(
+        4, "P_L: occupied cells with at most this many points are noise candidates.", ge=0
+    )
+    no_return_free_m: float = param(
+        5.0, "Length shown free by a beam without return (+inf); 0 ignores such beams.",
+        unit="m", ge=0.0,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LogOddsConfig:
+    """The log-odds grid by rays."""
+
+    p_hit: float = param(0.7, "P(occupied | a beam ended in this cell).", gt=0.5, lt=1.0)
+    p_miss: float = param(0.4, "P(occupied | a beam crossed this cell).", gt=0.0, lt=0.5)
+    p_max: float = param(0.97, "No cell is believed more than this.", gt=0.5, lt=1.0)
+    no_return_free_m: float = param(
+        5.0, "Length shown free by a beam without return (+inf); 0 ignores such beams.",
+        unit="m", ge=0.0,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionConfig:
+    """How far a prediction of the next pose can be wrong; deviations, not bounds."""
+
+    slip: float = param(0.1, "Error of odometry per metre driven.", unit="m/m", ge=0.0)
+    turn_slip: float = param(0.1, "Error of odometry's turn per radian turned.", ge=0.0)
+    turn_per_m: float = param(
+        0.05, "Error of odometry's turn per metre driven.", unit="rad/m", ge=0.0
+    )
+    base_m: float = param(0.01, "Error of a prediction over no distance.", unit="m", gt=0.0)
+    base_rad: float = param(0.01, "Error of a prediction over no turn.", unit="rad", gt=0.0)
+    acceleration: float = param(
+        1.0, "Change of speed expected where there is no odometry.", unit="m/s^2", gt=0.0
+    )
+    turn_acceleration: float = param(
+        2.0, "Change of turn rate expected where there is no odometry.", unit="rad/s^2", gt=0.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridMapperConfig:
+    """The laser mapper."""
+
+    resolution_m: float = param(0.05, "Edge of a map cell.", unit="m", gt=0.0, le=1.0)
+    grid: str = param(
+        "label", "Map rule: the published labels, or the log-odds that the field uses.",
+        choices=("label", "log_odds"), read_only=True,
+    )  # fmt: skip
+    key_distance_m: float = param(
+        0.2, "A scan enters the map when the robot moved this far since the last one that did.",
+        unit="m", ge=0.0,
+    )  # fmt: skip
+    key_turn_rad: float = param(
+        0.2, "A scan enters the map when the robot turned this far.", unit="rad", ge=0.0
+    )
+    key_period_s: float = param(
+        5.0, "A scan enters the map when this time has passed; 0 never.", unit="s", ge=0.0
+    )
+    min_range_m: float = param(
+        0.0, "Shorter readings are left out, beside the scan's own range_min.", unit="m", ge=0.0
+    )
+    max_range_m: float = param(
+        80.0, "Longer readings are left out, beside the scan's own range_max.", unit="m", gt=0.0
+    )
+    min_pairs: int = param(20, "A match of fewer scan points is not trusted.", ge=3)
+    min_pair_share: float = param(
+        0.4, "A match of a smaller share of the scan's points is not trusted.", ge=0.0, le=1.0
+    )
+    max_correction_sigmas: float = param(
+        6.0, "A match this many deviations from the prediction is not trusted.", gt=0.0
+    )
+    matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
+    motion: MotionConfig = field(default_factory=MotionConfig)
+    label: LabelGridConfig = field(default_factory=LabelGridConfig)
+    log_odds: LogOddsConfig = field(default_factory=LogOddsConfig)
+
+    def __post_init__(self) -> None:
+        validate(self)

@@ -1,0 +1,161 @@
+"""The laser label grid of the glass paper, section 4: unknown, free, occupied, with points.
+
+Every beam is a sector (Fig. 1): cells whose centre lies nearer than r - dr are free; those between
+r - dr and r + dr are occupied and gain a point. An occupied cell never turns free while sampling.
+Cells with few points are noise candidates; they are judged when the map is asked for (4.2), from
+all points so far, so that the map can be asked for again and again while scans arrive.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numba
+import numpy as np
+
+from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.beams import Beams, beams_of
+from grid_mapper.config import LabelGridConfig
+from grid_mapper.tile_grid import TILE_BITS, TILE_MASK, TileGrid, find_slot
+
+LABEL_UNKNOWN, LABEL_FREE, LABEL_OCCUPIED = 0, 1, 2
+MAX_POINTS = np.iinfo(np.uint16).max
+
+
+class LabelGrid:
+    """Labels and points of every cell seen."""
+
+    def __init__(self, config: LabelGridConfig, resolution: float) -> None:
+        self._config = config
+        self._grid = TileGrid(resolution, labels=(np.int8, ()), points=(np.uint16, ()))
+
+    def add_scan(self, scan: Scan, T_map_laser: SE2) -> None:
+        """Sample one scan (4.1)."""
+        self.add_beams(beams_of(scan, T_map_laser, self._config.no_return_free_m))
+
+    def add_beams(self, beams: Beams) -> None:
+        """Sample beams given in the map frame (4.1)."""
+        half_angle = 0.5 * (self._config.beam_angle_rad or beams.angle_increment)
+        grid = self._grid
+        grid.ensure_tiles(beams.tiles(grid.resolution, self._config.range_tolerance_m))
+        sample_sectors(
+            beams.origin / grid.resolution, beams.angles, beams.ranges / grid.resolution,
+            beams.is_hit, half_angle, self._config.range_tolerance_m / grid.resolution,
+            grid.fields["labels"], grid.fields["points"], grid.table, grid.corner,
+        )  # fmt: skip
+
+    def occupancy(self) -> OccupancyMap:
+        """Return the map with noise candidates judged (4.2)."""
+        labels, corner = self._grid.dense("labels")
+        points, _ = self._grid.dense("points")
+        judged = remove_noise(labels, points, self._config.noise_points, self._border_cells())
+        resolution = self._grid.resolution
+        cells = np.array([UNKNOWN, FREE, OCCUPIED], np.int8)[judged]
+        origin = SE2(float(corner[1] * resolution), float(corner[0] * resolution), 0.0)
+        return OccupancyMap(cells, resolution, origin)
+
+    def _border_cells(self) -> int:
+        """Return how thick a wall is sampled, in cells: 2 dr."""
+        return max(1, round(2.0 * self._config.range_tolerance_m / self._grid.resolution))
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held."""
+        return self._grid.num_bytes
+
+
+def remove_noise(
+    labels: np.ndarray, points: np.ndarray, noise_points: int, border_cells: int
+) -> np.ndarray:
+    """Judge cells of few points (4.2): obstacle on the border of the known, else free.
+
+    Args:
+        labels: 0 unknown, 1 free, 2 occupied, shape (H, W), int8.
+        points: Times each cell was sampled occupied, shape (H, W).
+        noise_points: P_L; occupied cells with at most this many points are noise candidates.
+        border_cells: How far, in cells, the border between unknown and free reaches: as thick
+            as a wall is sampled, so that its near and its far cells both count.
+
+    Returns:
+        Labels of the judged map, shape (H, W), int8. The input is not modified.
+    """
+    candidate = (labels == LABEL_OCCUPIED) & (points <= noise_points)
+    if not candidate.any():
+        return labels.copy()
+    kernel = np.ones((2 * border_cells + 1, 2 * border_cells + 1), np.uint8)
+    unknown = cv2.copyMakeBorder((labels == LABEL_UNKNOWN).astype(np.uint8), *[border_cells] * 4, cv2.BORDER_CONSTANT, value=1)
+    near_unknown = cv2.dilate(unknown, kernel)[border_cells:-border_cells, border_cells:-border_cells]
+    near_free = cv2.dilate((labels == LABEL_FREE).astype(np.uint8), kernel)
+    on_border = (near_unknown > 0) & (near_free > 0)
+    judged = labels.copy()
+    judged[candidate & ~on_border] = LABEL_FREE
+    return judged
+
+
+@numba.njit(cache=True)
+def sample_sectors(  # type: ignore[no-untyped-def]
+    origin, angles, ranges, is_hit, half_angle, tolerance, labels, points, table, corner
+):
+    """Label the cells of every beam's sector (glass paper, 4.1 and Fig. 1); lengths are in cells.
+
+    Args:
+        origin: (x, y) of the sensor, shape (2,), cells.
+        angles: Of the beams, map frame, shape (N,), rad.
+        ranges: Measured, or free length where nothing was hit, shape (N,), cells.
+        is_hit: False for beams that only say free, shape (N,).
+        half_angle: Half of a sector's opening, alpha_L / 2, in (0, pi/4), rad.
+        tolerance: dr_L, cells.
+        labels: Pool, changed in place.
+        points: Pool, changed in place.
+        table: See TileGrid.
+        corner: See TileGrid.
+    """
+    for i in range(len(angles)):
+        depth = tolerance if is_hit[i] else 0.0
+        near, far = max(ranges[i] - depth, 0.0), ranges[i] + depth
+        if not is_hit[i]:
+            near = np.inf
+        # u is the axis the beam runs along, v the other; centres of cells are whole numbers
+        is_flat = abs(np.cos(angles[i])) >= abs(np.sin(angles[i]))
+        ou, ov = (origin[0], origin[1]) if is_flat else (origin[1], origin[0])
+        angle = angles[i] if is_flat else 0.5 * np.pi - angles[i]
+        _sample_sector(
+            ou - 0.5, ov - 0.5, is_flat, angle, half_angle, near * near, far,
+            labels, points, table, corner,
+        )  # fmt: skip
+
+
+@numba.njit(cache=True, inline="always")
+def _sample_sector(  # type: ignore[no-untyped-def]
+    ou, ov, is_flat, angle, half_angle, near2, far, labels, points, table, corner
+):
+    """Walk the sector along u; on each line the centres between its two edges are inside."""
+    cos_a, cos_b = np.cos(angle - half_angle), np.cos(angle + half_angle)
+    slope_a, slope_b = np.sin(angle - half_angle) / cos_a, np.sin(angle + half_angle) / cos_b
+    side = 1 if cos_a + cos_b > 0.0 else -1
+    low, high = min(slope_a * side, slope_b * side), max(slope_a * side, slope_b * side)
+    u_reach = far if low < 0.0 < high else far * max(abs(cos_a), abs(cos_b))
+    first = int(np.ceil(ou)) if side > 0 else int(np.floor(ou))
+    start = abs(first - ou)
+    tile_row, tile_col = np.int64(1 << 40), np.int64(1 << 40)
+    tile_labels, tile_points = labels[0], points[0]
+    for k in range(int(np.floor(u_reach - start)) + 1):
+        u, du = first + side * k, start + k
+        for v in range(int(np.ceil(ov + du * low)), int(np.floor(ov + du * high)) + 1):
+            distance2 = du * du + (v - ov) * (v - ov)
+            if distance2 > far * far:
+                continue
+            row, col = (v, u) if is_flat else (u, v)
+            if row >> TILE_BITS != tile_row or col >> TILE_BITS != tile_col:
+                tile_row, tile_col = row >> TILE_BITS, col >> TILE_BITS
+                slot = find_slot(table, corner, row, col)
+                tile_labels, tile_points = labels[slot], points[slot]
+            r, c = row & TILE_MASK, col & TILE_MASK
+            if distance2 < near2:
+                if tile_labels[r, c] == LABEL_UNKNOWN:
+                    tile_labels[r, c] = LABEL_FREE
+            else:
+                tile_labels[r, c] = LABEL_OCCUPIED
+                if tile_points[r, c] < MAX_POINTS:
+                    tile_points[r, c] += 1

@@ -1,0 +1,237 @@
+"""Scan-to-map ICP in the plane, started from dead reckoning (glass paper, section 3).
+
+The map to match to is a grid of cells; each holds the mean of the points seen in it and the mean of
+their surface covariances (voxelised GICP, Koide et al. 2021, in two dimensions). One iteration of
+ICP pairs every scan point with the nearest cell mean and takes a Gauss-Newton step on
+
+    E(T) = sum_i rho( d_i^T M_i^-1 d_i ) + (T - T_pred)^T P^-1 (T - T_pred),
+    d_i = mean_i - T p_i,   M_i = C_cell + R C_i R^T,   rho = Cauchy,
+
+whose second term is the dead reckoning with its covariance P: along a bare corridor, where the
+scan says nothing, the odometry does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from floornav_common.se2 import SE2
+from grid_mapper.config import ScanMatcherConfig
+from grid_mapper.surface_points import SurfacePoints
+from grid_mapper.tile_grid import TILE_MASK, TileGrid, find_slot, missing_tiles
+
+N, MX, MY, CXX, CXY, CYY = range(6)  # what a cell holds: count, mean (m), mean covariance (m^2)
+NUM_VALUES = 6
+COARSE_POINTS = 200  # points used while the pose is still far off
+COARSE_WIDTH, FINE_WIDTH = 25.0, 4.0  # of rho, in squared deviations
+BASIN_M, BASIN_RAD = 0.4, 0.15  # a start this near to the truth still converges
+MAX_STARTS = 3  # to each side and in each axis
+
+
+@dataclass(frozen=True)
+class MatchResult:
+    """Where a scan fits the map.
+
+    Attributes:
+        T_map_base: Best pose.
+        information: Of (x, y, yaw) in map axes from the scan alone, shape (3, 3), SI.
+        pair_share: Share of points that found a partner, weighted by how well it fits, 0..1.
+        num_pairs: Points paired.
+        rms: Weighted root mean square Mahalanobis residual; about 1 when the model holds.
+    """
+
+    T_map_base: SE2
+    information: np.ndarray
+    pair_share: float
+    num_pairs: int
+    rms: float
+
+
+class ScanMatcher:
+    """Holds the map of surface cells and fits scans to it."""
+
+    def __init__(self, config: ScanMatcherConfig) -> None:
+        self._config = config
+        self._grid = TileGrid(config.cell_m, cells=(np.float64, (NUM_VALUES,)))
+
+    @property
+    def is_empty(self) -> bool:
+        """True until the first scan is inserted."""
+        return self._grid.num_tiles == 0
+
+    def match(self, scan: SurfacePoints, T_pred: SE2, cov_pred: np.ndarray) -> MatchResult:
+        """Fit a scan, starting at the predicted pose and, if that is vague, round it.
+
+        Args:
+            scan: Points in the base frame.
+            T_pred: Predicted `T_map_base`.
+            cov_pred: Its covariance in map axes, shape (3, 3).
+
+        Returns:
+            The best fit; judge it by its shares before you believe it.
+        """
+        stride = max(1, len(scan) // COARSE_POINTS)
+        prior = np.linalg.inv(cov_pred)
+        coarse = [
+            self._register(scan, stride, start, T_pred, prior, COARSE_WIDTH)
+            for start in starting_poses(T_pred, cov_pred)
+        ]
+        best = max(coarse, key=lambda fit: fit.pair_share)
+        return self._register(scan, 1, best.T_map_base, T_pred, prior, FINE_WIDTH)
+
+    def _register(
+        self, scan: SurfacePoints, stride: int, start: SE2, T_pred: SE2, prior: np.ndarray,
+        width: float,
+    ) -> MatchResult:  # fmt: skip
+        config, grid = self._config, self._grid
+        pose, information, num_pairs, weight, error = _register(
+            scan.points[::stride], scan.covs[::stride], start.as_array(), T_pred.as_array(),
+            prior / stride, grid.fields["cells"], grid.table, grid.corner, config.cell_m,
+            config.max_pair_distance_m, width, config.max_iterations, config.stop_step_m,
+        )  # fmt: skip
+        return MatchResult(
+            T_map_base=SE2(*pose),
+            information=information * stride,
+            pair_share=float(weight * stride / max(1, len(scan))),
+            num_pairs=int(num_pairs * stride),
+            rms=float(np.sqrt(error / max(weight, 1e-9))),
+        )
+
+    def insert(self, scan: SurfacePoints, T_map_base: SE2) -> None:
+        """Add a scan at its pose to the map of surface cells."""
+        moved = scan.moved(T_map_base)
+        cells = np.floor(moved.points[:, ::-1] / self._config.cell_m).astype(np.int64)
+        self._grid.ensure_tiles(missing_tiles(cells, self._grid.table, self._grid.corner))
+        _insert(
+            moved.points,
+            moved.covs,
+            cells,
+            self._grid.fields["cells"],
+            self._grid.table,
+            self._grid.corner,
+            self._config.max_points_per_cell,
+        )
+
+
+def starting_poses(T_pred: SE2, cov_pred: np.ndarray) -> list[SE2]:
+    """Return poses that cover two deviations of the prediction, no further apart than a basin.
+
+    A good prediction gives itself alone; the first pose is always the prediction.
+    """
+    sigma = np.sqrt(np.diag(cov_pred))
+    basin = np.array([BASIN_M, BASIN_M, BASIN_RAD])
+    num = np.minimum(np.floor(2.0 * sigma / basin + 0.5), MAX_STARTS).astype(int)
+    offsets = [sorted(range(-n, n + 1), key=abs) for n in num]
+    return [
+        SE2(T_pred.x + i * basin[0], T_pred.y + j * basin[1], T_pred.yaw + k * basin[2])
+        for k in offsets[2]
+        for j in offsets[1]
+        for i in offsets[0]
+    ]
+
+
+@numba.njit(cache=True)
+def _insert(points, covs, cells, pool, table, corner, max_points):  # type: ignore[no-untyped-def]
+    for i in range(len(points)):
+        row, col = cells[i]
+        cell = pool[find_slot(table, corner, row, col), row & TILE_MASK, col & TILE_MASK]
+        if cell[N] >= max_points:
+            continue
+        cell[N] += 1.0
+        share = 1.0 / cell[N]
+        cell[MX] += share * (points[i, 0] - cell[MX])
+        cell[MY] += share * (points[i, 1] - cell[MY])
+        for k in range(3):
+            cell[CXX + k] += share * (covs[i, k] - cell[CXX + k])
+
+
+@numba.njit(cache=True, inline="always")
+def _nearest_cell(x, y, pool, table, corner, cell_m, max_distance):  # type: ignore[no-untyped-def]
+    """Return (slot, row, col) of the cell whose mean is nearest, slot -1 if none is near."""
+    row, col = int(np.floor(y / cell_m)), int(np.floor(x / cell_m))
+    slot = find_slot(table, corner, row, col)
+    if slot >= 0 and pool[slot, row & TILE_MASK, col & TILE_MASK, N] > 0.0:
+        return slot, row & TILE_MASK, col & TILE_MASK
+    best = max_distance * max_distance
+    best_slot, best_row, best_col = -1, 0, 0
+    for r in range(row - 1, row + 2):
+        for c in range(col - 1, col + 2):
+            slot = find_slot(table, corner, r, c)
+            if slot < 0:
+                continue
+            cell = pool[slot, r & TILE_MASK, c & TILE_MASK]
+            if cell[N] == 0.0:
+                continue
+            distance = (cell[MX] - x) ** 2 + (cell[MY] - y) ** 2
+            if distance < best:
+                best = distance
+                best_slot, best_row, best_col = slot, r & TILE_MASK, c & TILE_MASK
+    return best_slot, best_row, best_col
+
+
+@numba.njit(cache=True)
+def _normal_equations(  # type: ignore[no-untyped-def]
+    points, covs, pose, pool, table, corner, cell_m, max_distance, width
+):
+    H = np.zeros((3, 3))
+    b = np.zeros(3)
+    num_pairs, weight_sum, error_sum = 0, 0.0, 0.0
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    for i in range(len(points)):
+        rx = c * points[i, 0] - s * points[i, 1]
+        ry = s * points[i, 0] + c * points[i, 1]
+        x, y = rx + pose[0], ry + pose[1]
+        slot, row, col = _nearest_cell(x, y, pool, table, corner, cell_m, max_distance)
+        if slot < 0:
+            continue
+        cell = pool[slot, row, col]
+        dx, dy = cell[MX] - x, cell[MY] - y
+        xx, xy, yy = covs[i, 0], covs[i, 1], covs[i, 2]
+        mxx = cell[CXX] + c * c * xx - 2.0 * c * s * xy + s * s * yy
+        mxy = cell[CXY] + c * s * (xx - yy) + (c * c - s * s) * xy
+        myy = cell[CYY] + s * s * xx + 2.0 * c * s * xy + c * c * yy
+        det = mxx * myy - mxy * mxy
+        ixx, ixy, iyy = myy / det, -mxy / det, mxx / det
+        ex, ey = ixx * dx + ixy * dy, ixy * dx + iyy * dy
+        error = dx * ex + dy * ey
+        w = 1.0 / (1.0 + error / width)
+        num_pairs += 1
+        weight_sum += w
+        error_sum += w * error
+        # J = d(T p)/d(x, y, yaw) = [I | (-ry, rx)]
+        jx, jy = ixx * -ry + ixy * rx, ixy * -ry + iyy * rx
+        H[0, 0] += w * ixx
+        H[0, 1] += w * ixy
+        H[1, 1] += w * iyy
+        H[0, 2] += w * jx
+        H[1, 2] += w * jy
+        H[2, 2] += w * (-ry * jx + rx * jy)
+        b[0] += w * ex
+        b[1] += w * ey
+        b[2] += w * (-ry * ex + rx * ey)
+    H[1, 0], H[2, 0], H[2, 1] = H[0, 1], H[0, 2], H[1, 2]
+    return H, b, num_pairs, weight_sum, error_sum
+
+
+@numba.njit(cache=True)
+def _register(  # type: ignore[no-untyped-def]
+    points, covs, start, pred, prior, pool, table, corner,
+    cell_m, max_distance, width, max_iterations, stop_step,
+):  # fmt: skip
+    pose = start.copy()
+    H = np.zeros((3, 3))
+    num_pairs, weight_sum, error_sum = 0, 0.0, 0.0
+    for _ in range(max_iterations):
+        H, b, num_pairs, weight_sum, error_sum = _normal_equations(
+            points, covs, pose, pool, table, corner, cell_m, max_distance, width
+        )
+        off = pred - pose
+        off[2] = np.pi - (np.pi - off[2]) % (2.0 * np.pi)
+        step = np.linalg.solve(H + prior, b + prior @ off)
+        pose += step
+        if np.abs(step).max() < stop_step:
+            break
+    return pose, H, num_pairs, weight_sum, error_sum
