@@ -1,10 +1,54 @@
-"""What a robot file may set: drive, wheels, odometry and laser, each with unit and range."""
+"""Settings of the node, and what a robot file may set, each with unit and range."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from floornav_common.config import param, validate
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimBridgeConfig:
+    """Settings of the node `sim_bridge`."""
+
+    world: str = param(
+        "furnished_floor", "Name of a world of the package, or path of a YAML file.", read_only=True
+    )
+    seed: int = param(0, "Seed of every random number.", ge=0, read_only=True)
+    real_time_factor: float = param(
+        1.0, "Simulated seconds in a second; 0 = as fast as it goes.", ge=0.0, le=1000.0
+    )
+    lockstep: bool = param(False, "Go on only when `~/step` is called.")
+    step_s: float = param(0.1, "How far `~/step` goes.", unit="s", ge=0.01, le=60.0)
+    clock_period_s: float = param(0.02, "Simulated time between `/clock` messages.", unit="s", gt=0)
+    view: bool = param(False, "Show pybullet's window.", read_only=True)
+    enable_stamped_cmd_vel: bool = param(
+        False, "Take TwistStamped instead of Twist on `cmd_vel`.", read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RouteConfig:
+    """Settings of the node `route_follower`."""
+
+    route_m: tuple[float, ...] = param((0.0, 0.0), "Waypoints x, y, x, y ... in the map frame.")
+    speed_m_s: float = param(0.8, "Travel speed.", unit="m/s", gt=0.0)
+    max_yaw_rate_rad_s: float = param(1.2, "Fastest turn.", unit="rad/s", gt=0.0)
+    lookahead_m: float = param(0.4, "Distance of the point it steers for.", unit="m", gt=0.0)
+    turn_on_spot_rad: float = param(0.9, "Turns on the spot beyond this.", unit="rad", gt=0.0)
+    pose_timeout_s: float = param(1.0, "Stops if the pose is older.", unit="s", gt=0.0)
+    steer_by: str = param(
+        "pose", "`pose`: the mapper's, carried on by odometry; `odom`: odometry alone.",
+        choices=("pose", "odom"),
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if len(self.route_m) < 2 or len(self.route_m) % 2:
+            raise ValueError(f"route_m must hold x, y pairs, got {len(self.route_m)} numbers")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,9 +74,9 @@ class WheelConfig:
     radius_m: float = param(0.19, "Wheel radius that the robot believes.", unit="m", gt=0.0)
     track_m: float = param(0.50, "Distance between the wheels.", unit="m", gt=0.0)
     ticks_per_turn: int = param(2048, "Encoder ticks a wheel turn; 0 = exact.", ge=0)
-    radius_error_sd: float = param(0.003, "Relative error of each radius, per run.", ge=0.0)
+    radius_error_sd: float = param(0.0015, "Relative error of each radius, per run.", ge=0.0)
     slip_mean: float = param(0.005, "Share of a wheel's travel lost on the floor.", ge=0.0, lt=1.0)
-    slip_sd: float = param(0.02, "Deviation of that share from its mean.", ge=0.0, lt=0.5)
+    slip_sd: float = param(0.01, "Deviation of that share from its mean.", ge=0.0, lt=0.5)
     slip_time_s: float = param(0.5, "How long a deviation lasts.", unit="s", gt=0.0)
 
     def __post_init__(self) -> None:
@@ -47,6 +91,8 @@ class OdometryConfig:
     distance_sd: float = param(0.02, "Deviation of travel after 1 m.", unit="m", ge=0.0)
     yaw_sd_per_m: float = param(0.03, "Deviation of yaw after 1 m.", unit="rad", ge=0.0)
     yaw_sd_per_rad: float = param(0.02, "Deviation of yaw after 1 rad.", unit="rad", ge=0.0)
+    speed_sd: float = param(0.02, "Deviation of the speeds along x and y.", unit="m/s", ge=0.0)
+    yaw_rate_sd: float = param(0.03, "Deviation of the yaw rate.", unit="rad/s", ge=0.0)
 
     def __post_init__(self) -> None:
         validate(self)

@@ -7,6 +7,8 @@ and height and tilt are put back. A robot against a wall stands while its wheels
 from __future__ import annotations
 
 import math
+import os
+import sys
 from typing import Any
 
 import numpy as np
@@ -187,9 +189,23 @@ def _floor() -> Solid:
     )
 
 
-def _connect(has_window: bool) -> tuple[Any, int]:
+def _import_quietly() -> Any:
+    """Import pybullet without the line that its C code prints."""
+    sys.stdout.flush()
+    kept, null = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 1)
     try:
         import pybullet
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(null)
+    return pybullet
+
+
+def _connect(has_window: bool) -> tuple[Any, int]:
+    try:
+        pybullet = _import_quietly()
     except ImportError as error:
         raise PybulletMissingError(
             "sim_bridge needs pybullet, which has a ready wheel for Python 3.11 only: "

@@ -1,0 +1,117 @@
+"""A simulated world on ROS topics.
+
+In: `cmd_vel` (Twist, or TwistStamped with `enable_stamped_cmd_vel`) of each robot.
+Out: `scan`, `odom` (drifting), `ground_truth/odom`, `ground_truth/contact` (latched, on change),
+`robot_description` (latched), `/clock`, `/tf` odom->base_link, `/tf_static`.
+Services: `~/reset`, `~/step` (Trigger).
+
+A robot with a name has its topics below that name and the name as prefix of its frames. All
+stamps are simulated time, which begins at 0 and goes back there on `~/reset`.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from rclpy.clock import Clock, ClockType
+from rosgraph_msgs.msg import Clock as ClockMsg
+from std_srvs.srv import Trigger
+
+from floornav_common.ros.main import run_node
+from floornav_common.ros.messages import ns_to_stamp
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.parameters import ParameterError, declare_config
+from floornav_common.ros.qos import CLOCK_QOS, create_publisher
+from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
+from sim_bridge.config import SimBridgeConfig
+from sim_bridge.nodes.robot_port import RobotPort
+from sim_bridge.physics import PybulletMissingError
+from sim_bridge.schema import WorldError
+from sim_bridge.simulation import STEP_NS, Simulation
+from sim_bridge.world import load_world
+
+_TIMER_PERIOD_S = 0.002
+_MAX_BURST_S = 0.02
+
+
+class SimBridgeNode(FloornavNode):
+    """Steps a `Simulation` and publishes what its robots see."""
+
+    def __init__(self) -> None:
+        """Build the world and start its time, unless in lockstep."""
+        super().__init__("sim_bridge")
+        self._config = declare_config(self, SimBridgeConfig, on_change=self._set_config)
+        try:
+            self._sim = Simulation(
+                load_world(self._config.world),
+                seed=self._config.seed,
+                has_window=self._config.view,
+            )
+        except (WorldError, PybulletMissingError) as error:
+            raise ParameterError(str(error)) from error
+        tf, tf_static = TransformBroadcaster(self), StaticTransformBroadcaster(self)
+        is_stamped = self._config.enable_stamped_cmd_vel
+        self._ports = {
+            name: RobotPort(self, name, model, is_stamped=is_stamped, tf=tf, tf_static=tf_static)
+            for name, model in self._sim.models.items()
+        }
+        self._clock_pub = create_publisher(self, ClockMsg, "/clock", CLOCK_QOS)
+        self.create_service(Trigger, "~/reset", self._on_reset)
+        self.create_service(Trigger, "~/step", self._on_step)
+        self._owed_s, self._looked_at = 0.0, time.monotonic()
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = self.create_timer(_TIMER_PERIOD_S, self._on_timer, clock=steady)
+        self.ready()
+
+    def _set_config(self, config: SimBridgeConfig) -> None:
+        self._config = config
+
+    def _on_timer(self) -> None:
+        now = time.monotonic()
+        factor = self._config.real_time_factor
+        # What was missed for longer than a burst stays missed: time is slower, never jumpy.
+        passed, self._looked_at = min(now - self._looked_at, _MAX_BURST_S), now
+        if self._config.lockstep:
+            return
+        self._owed_s = self._owed_s + factor * passed if factor else float("inf")
+        while self._owed_s >= STEP_NS * 1e-9 and time.monotonic() - now < _MAX_BURST_S:
+            self._owed_s -= STEP_NS * 1e-9
+            self._step()
+        self._owed_s = min(self._owed_s, max(factor, 1.0) * _MAX_BURST_S)
+
+    def _step(self) -> None:
+        commands = {name: port.take_command() for name, port in self._ports.items()}
+        seen = self._sim.step({name: c for name, c in commands.items() if c is not None})
+        if seen.stamp_ns % max(round(self._config.clock_period_s * 1e9), STEP_NS) == 0:
+            self._clock_pub.publish(ClockMsg(clock=ns_to_stamp(seen.stamp_ns)))
+        for name, port in self._ports.items():
+            port.publish(seen.stamp_ns, seen.robots[name])
+
+    def _on_step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        for _step in range(round(self._config.step_s * 1e9 / STEP_NS)):
+            self._step()
+        response.success, response.message = True, f"at {self._sim.stamp_ns * 1e-9:.2f} s"
+        return response
+
+    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._sim.reset()
+        for port in self._ports.values():
+            port.take_command()
+        self._clock_pub.publish(ClockMsg(clock=ns_to_stamp(0)))
+        response.success, response.message = True, "back at the start"
+        return response
+
+    def destroy_node(self) -> None:
+        """Free the physics engine too."""
+        self._sim.close()
+        super().destroy_node()
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run_node(SimBridgeNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

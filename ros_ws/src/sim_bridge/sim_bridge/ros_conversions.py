@@ -1,0 +1,52 @@
+"""Observations of the simulation as messages, commands as velocities."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from floornav_common.readings import OdometryReading
+from floornav_common.ros.messages import ns_to_stamp, odometry_to_msg, scan_to_msg
+from floornav_common.scan import Scan
+from sim_bridge.config import LaserConfig, OdometryConfig
+from sim_bridge.drive import Velocity
+from sim_bridge.simulation import GroundTruth
+from sim_bridge.wheels import OdometryState
+
+GROUND_TRUTH_FRAME = "ground_truth"
+
+
+def velocity_from_msg(msg: Any) -> Velocity:
+    """Return the forward speed and yaw rate of a Twist or TwistStamped."""
+    twist = msg.twist if hasattr(msg, "twist") else msg
+    return Velocity(float(twist.linear.x), float(twist.angular.z))
+
+
+def odometry_msg(
+    state: OdometryState, config: OdometryConfig, stamp_ns: int, frame: str, child: str
+) -> Any:
+    """Return dead reckoning as Odometry; the covariance of a base that cannot move sideways."""
+    reading = OdometryReading(
+        T_odom_base=state.pose,
+        twist=(state.velocity.speed, 0.0, state.velocity.yaw_rate),
+        pose_cov=state.cov,
+        twist_cov=np.diag([config.speed_sd, config.speed_sd, config.yaw_rate_sd]) ** 2,
+    )
+    return odometry_to_msg(reading, ns_to_stamp(stamp_ns), frame, child)
+
+
+def ground_truth_msg(truth: GroundTruth, stamp_ns: int, child: str) -> Any:
+    """Return the true pose in the world as Odometry, in a frame that TF does not have."""
+    reading = OdometryReading(
+        T_odom_base=truth.pose, twist=(truth.velocity.speed, 0.0, truth.velocity.yaw_rate)
+    )
+    return odometry_to_msg(reading, ns_to_stamp(stamp_ns), GROUND_TRUTH_FRAME, child)
+
+
+def scan_msg(scan: Scan, config: LaserConfig, stamp_ns: int, frame: str) -> Any:
+    """Return a scan as LaserScan."""
+    from std_msgs.msg import Header
+
+    header = Header(stamp=ns_to_stamp(stamp_ns), frame_id=frame)
+    return scan_to_msg(scan, header, scan_time=config.period_s)

@@ -1,0 +1,75 @@
+"""Following a polyline with a differential drive: pure pursuit (Coulter 1992), turns on the spot.
+
+Stands in for a planner in the demo: it knows the way and looks at no sensor.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from floornav_common.se2 import SE2, wrap_angle
+from sim_bridge.config import RouteConfig
+from sim_bridge.drive import STOP, Velocity
+
+_SAMPLE = 0.02
+_WINDOW = 0.6
+_ARRIVED = 0.1
+_SLOW_DOWN = 0.8
+
+
+class RouteFollower:
+    """Where on the route the robot is, and what to command next.
+
+    Args:
+        config: The route and how to drive it.
+    """
+
+    def __init__(self, config: RouteConfig) -> None:
+        """Start at the first waypoint."""
+        self._config = config
+        self._points = _resampled(np.reshape(config.route_m, (-1, 2)))
+        self._index = 0
+
+    @property
+    def share_done(self) -> float:
+        """How much of the route is behind, 0..1."""
+        return self._index / max(len(self._points) - 1, 1)
+
+    def step(self, pose: SE2) -> Velocity | None:
+        """Return the command at a pose in the route's frame; None at the end."""
+        here = np.array([pose.x, pose.y])
+        window = self._points[self._index : self._index + round(_WINDOW / _SAMPLE)]
+        self._index += int(np.argmin(np.hypot(*(window - here).T)))
+        to_end = float(np.hypot(*(self._points[-1] - here)))
+        left = (len(self._points) - 1 - self._index) * _SAMPLE
+        if left < _WINDOW and to_end < _ARRIVED:
+            return None
+        ahead = self._index + round(self._config.lookahead_m / _SAMPLE)
+        target = self._points[min(ahead, len(self._points) - 1)]
+        return self._steer(pose, target, max(left, to_end))
+
+    def _steer(self, pose: SE2, target: np.ndarray, left: float) -> Velocity:
+        config = self._config
+        dx, dy = float(target[0]) - pose.x, float(target[1]) - pose.y
+        error = wrap_angle(math.atan2(dy, dx) - pose.yaw)
+        distance = math.hypot(dx, dy)
+        limit = config.max_yaw_rate_rad_s
+        if distance < 1e-3:
+            return STOP
+        if abs(error) > config.turn_on_spot_rad:
+            return Velocity(0.0, math.copysign(min(limit, 2.0 * abs(error)), error))
+        speed = config.speed_m_s * math.cos(error) * min(1.0, 0.15 + left / _SLOW_DOWN)
+        curvature = 2.0 * math.sin(error) / distance
+        if abs(curvature) * speed > limit:
+            speed = limit / abs(curvature)
+        return Velocity(speed, speed * curvature)
+
+
+def _resampled(waypoints: np.ndarray) -> np.ndarray:
+    """Return points every `_SAMPLE` along the line through the waypoints, (N, 2)."""
+    lengths = np.hypot(*np.diff(waypoints, axis=0).T)
+    along = np.concatenate(([0.0], np.cumsum(lengths)))
+    at = np.append(np.arange(0.0, along[-1], _SAMPLE), along[-1])
+    return np.column_stack([np.interp(at, along, waypoints[:, k]) for k in (0, 1)])
