@@ -122,6 +122,16 @@ class Bag:
         """Messages in all topics."""
         return sum(topic.num_messages for topic in self.topics.values())
 
+    @property
+    def start_ns(self) -> int:
+        """When the first message was recorded, ns; 0 if there is none."""
+        return min((_start_ns(s) for s in self._storages if _end_ns(s) > 0), default=0)
+
+    @property
+    def duration_ns(self) -> int:
+        """Time between first and last message, ns."""
+        return max(max((_end_ns(s) - 1 for s in self._storages), default=0) - self.start_ns, 0)
+
     def messages(
         self, topics: Collection[str] | None = None, start_ns: int | None = None
     ) -> Iterator[Message]:
@@ -198,6 +208,11 @@ def _reader_of(path: Path) -> Any:
 def _start_ns(storage: Any) -> int:
     metadata = getattr(storage, "metadata", None)
     return int(storage.start_time if metadata is None else metadata.start_time)
+
+
+def _end_ns(storage: Any) -> int:
+    metadata = getattr(storage, "metadata", None)
+    return int(storage.end_time if metadata is None else metadata.end_time)
 
 
 def _num_messages(connection: Connection) -> int:

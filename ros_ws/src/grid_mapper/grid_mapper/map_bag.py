@@ -1,0 +1,187 @@
+"""Map a recording offline: `map_bag.py BAG_OR_LOG [options] --out DIR`.
+
+In lockstep: every scan is mapped, none is dropped for time, so the same input gives the same map
+and trajectory, byte for byte.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from floornav_common import reporting
+from floornav_common.frames import FrameConfig
+from floornav_common.progress import Progress, say
+from floornav_common.reporting import UserError
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.config_file import load_mapper_config
+from grid_mapper.map_results import SUMMARY_KEYS, MapInputs, write_results
+from grid_mapper.map_run import MapRun, run_mapper
+from grid_mapper.mapper import GridMapper
+from grid_mapper.recordings import (
+    Recording,
+    RecordingError,
+    RecordingOptions,
+    open_recording,
+)
+from grid_mapper.recordings.events import WheelOptions
+from grid_mapper.recordings.listing import describe_recording
+from grid_mapper.relations import load_relations
+from grid_mapper.trajectory_metrics import load_tum
+
+COMMAND = "map_bag"
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; return its exit code."""
+    args = make_parser().parse_args(argv)
+    config, frames = _config(args)
+    try:
+        options = _options(args, frames)
+        if args.list:
+            say("\n".join(describe_recording(args.recording, options)))
+            return 0
+        inputs = _inputs(args)
+        recording = open_recording(args.recording, options)
+    except (RecordingError, ValueError, OSError) as error:
+        raise UserError(" ".join(str(error).split())) from error
+    for line in recording.info:
+        say(f"  {line}", is_quiet=args.quiet)
+    out = reporting.open_out_dir(COMMAND, _name(args.recording), args.out)
+    values: dict[str, Any] = dict.fromkeys(SUMMARY_KEYS)
+    with reporting.summary(out, command=COMMAND, seed=args.seed, values=values) as summary:
+        mapper = GridMapper(config)
+        run = _run(args, recording, mapper)
+        inputs.format, inputs.info = recording.format, tuple(recording.info)
+        text = write_results(out, inputs, recording, run, mapper.occupancy(), summary)
+    say(text, is_quiet=args.quiet)
+    say(f"results: {out}", is_quiet=args.quiet)
+    if recording.problem is not None:
+        print(f"error: {recording.problem}; the results are marked partial", file=sys.stderr)
+    if run.is_interrupted:
+        print("stopped; results so far are marked partial", file=sys.stderr)
+    return 0 if summary["ok"] else 1
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
+    add = parser.add_argument
+    add("recording", type=Path, metavar="BAG_OR_LOG", help="rosbag2, ROS 1 bag or text log")
+    add("--config", type=Path, metavar="YAML", help="parameters of grid_mapper")
+    reporting.add_common_options(parser)
+    _add_input_options(parser)
+    add("--max-scans", type=_positive_int, metavar="N", help="stop after N scans")
+    add("--relations", type=Path, metavar="FILE", help="known relations: t1 t2 x y z r p yaw")
+    add("--relations-tol", type=_not_negative, default=0.002, metavar="S",
+        help="how far a relation's stamp may be from a pose (default: 0.002 s)")  # fmt: skip
+    add("--relations-offset", type=float, default=0.0, metavar="S",
+        help="added to the trajectory's stamps before they are compared (default: 0 s)")  # fmt: skip
+    add("--gt", type=Path, metavar="TUM", help="ground truth for ATE and RPE")
+    return parser
+
+
+def _add_input_options(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("what of the recording is used")
+    add = group.add_argument
+    add("--list", action="store_true", help="show topics, types and rates, and map nothing")
+    add("--scan-topic", metavar="TOPIC", help="LaserScan topic (default: the only one, or /scan)")
+    add("--odom-topic", metavar="TOPIC", help="odometry from this topic instead of TF")
+    add("--sonar-topic", metavar="TOPIC", action="append", default=[],
+        help="Range topic; may be given again")  # fmt: skip
+    add("--laser-pose", type=float, nargs=3, metavar=("X", "Y", "YAW"),
+        help="where the laser sits on the robot (m, m, rad)")  # fmt: skip
+    add("--no-odom", action="store_true", help="map without odometry")
+    add("--base-frame", metavar="FRAME", help="frame of the robot (default: base_link)")
+    add("--odom-frame", metavar="FRAME", help="frame of the odometry (default: odom)")
+    wheels = WheelOptions()
+    add("--ticks-per-turn", type=float, default=wheels.ticks_per_turn, metavar="N",
+        help="for logs of wheel ticks: ticks of a wheel turn (default: %(default)s)")  # fmt: skip
+    add("--wheel-radius", type=float, default=wheels.wheel_radius_m, metavar="M",
+        help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
+    add("--half-axle", type=float, default=wheels.half_axle_m, metavar="M",
+        help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
+
+
+def _config(args: argparse.Namespace) -> tuple[GridMapperConfig, FrameConfig]:
+    if args.config is None:
+        return GridMapperConfig(), FrameConfig()
+    try:
+        return load_mapper_config(args.config)
+    except ValueError as error:
+        raise UserError(str(error)) from error
+
+
+def _options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:
+    return RecordingOptions(
+        scan_topic=args.scan_topic,
+        odom_topic=args.odom_topic,
+        sonar_topics=tuple(args.sonar_topic),
+        laser_pose=None if args.laser_pose is None else SE2(*args.laser_pose),
+        use_odom=not args.no_odom,
+        base_frame=args.base_frame if args.base_frame is not None else frames.base,
+        odom_frame=args.odom_frame if args.odom_frame is not None else frames.odom,
+        wheels=WheelOptions(
+            ticks_per_turn=args.ticks_per_turn,
+            wheel_radius_m=args.wheel_radius,
+            half_axle_m=args.half_axle,
+        ),
+    )
+
+
+def _inputs(args: argparse.Namespace) -> MapInputs:
+    """Read the files to compare with before anything is mapped, so that a bad one costs nothing."""
+    return MapInputs(
+        name=_name(args.recording),
+        relations=None if args.relations is None else load_relations(args.relations),
+        relations_tolerance_ns=round(args.relations_tol * 1e9),
+        relations_offset_ns=round(args.relations_offset * 1e9),
+        truth=None if args.gt is None else load_tum(args.gt),
+    )
+
+
+def _run(args: argparse.Namespace, recording: Recording, mapper: GridMapper) -> MapRun:
+    total = recording.num_scans
+    if args.max_scans is not None:
+        total = min(total, args.max_scans) if total is not None else args.max_scans
+    with Progress("mapping", total, is_quiet=args.quiet) as progress:
+
+        def on_scan(run: MapRun) -> None:
+            done = len(run.trajectory)
+            progress.update(done, f"{done} scans, {len(run.untrusted)} not trusted")
+
+        return run_mapper(recording, mapper, args.max_scans, on_scan)
+
+
+def _name(path: Path) -> str:
+    """Return the name of a recording without its endings."""
+    name = path.resolve().name
+    for ending in (".gz", ".zstd", ".log", ".dat", ".db3", ".mcap", ".bag"):
+        name = name.removesuffix(ending)
+    return name
+
+
+def _positive_int(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"must be at least 1, got {value}")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = float(text)
+    if not value >= 0.0:
+        raise argparse.ArgumentTypeError(f"must be 0 or more, got {value}")
+    return value
+
+
+def run() -> None:
+    """Entry point of the installed command."""
+    sys.exit(reporting.run_command(main))
+
+
+if __name__ == "__main__":
+    run()

@@ -1,0 +1,94 @@
+"""The picture of a mapping run: map, way and scale, drawn without a display."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+
+from floornav_common.grid import FREE, UNKNOWN, OccupancyMap
+from floornav_common.se2 import SE2
+
+MARGIN_M = 1.0
+WIDTH_INCH = 10.0
+DPI = 150
+SHADE_UNKNOWN, SHADE_FREE, SHADE_OCCUPIED = 0.82, 1.0, 0.05
+ROUND_LENGTHS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
+
+
+def draw_map(
+    occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], title: str
+) -> bytes:
+    """Return a PNG of a map with the robot's way, its ends marked, and a scale bar."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import Affine2D
+
+    left, bottom, right, top = _bounds(occupancy, trajectory)
+    aspect = min(max((top - bottom) / (right - left), 0.3), 1.6)
+    figure = Figure(figsize=(WIDTH_INCH, WIDTH_INCH * aspect + 0.6), dpi=DPI)
+    axes = figure.add_axes((0.01, 0.01, 0.98, 0.93))
+    rows, columns = occupancy.cells.shape
+    size = (0.0, columns * occupancy.resolution, 0.0, rows * occupancy.resolution)
+    origin = occupancy.origin
+    place = Affine2D().rotate(origin.yaw).translate(origin.x, origin.y) + axes.transData
+    axes.imshow(
+        _shades(occupancy), cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=size,
+        transform=place, interpolation="antialiased",
+    )  # fmt: skip
+    _draw_way(axes, trajectory)
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    axes.set_aspect("equal")
+    axes.set_facecolor(str(SHADE_UNKNOWN))
+    axes.set_xticks([])
+    axes.set_yticks([])
+    _draw_scale(axes, left, bottom, right - left, top - bottom)
+    figure.suptitle(title, fontsize=11)
+    out = BytesIO()
+    FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
+    return out.getvalue()
+
+
+def _shades(occupancy: OccupancyMap) -> np.ndarray:
+    cells = occupancy.cells.astype(np.float64)
+    share = (cells - FREE) / 100.0
+    shades = SHADE_FREE + share * (SHADE_OCCUPIED - SHADE_FREE)
+    shades[occupancy.cells == UNKNOWN] = SHADE_UNKNOWN
+    return shades
+
+
+def _bounds(
+    occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]]
+) -> tuple[float, float, float, float]:
+    """Return left, bottom, right and top of what is known, with a margin, m."""
+    known = np.argwhere(occupancy.cells != UNKNOWN)
+    points = [occupancy.to_points(known)] if len(known) else []
+    if trajectory:
+        points.append(np.array([[pose.x, pose.y] for _, pose in trajectory]))
+    if not points:
+        return (-MARGIN_M, -MARGIN_M, MARGIN_M, MARGIN_M)
+    low = np.min([p.min(axis=0) for p in points], axis=0) - MARGIN_M
+    high = np.max([p.max(axis=0) for p in points], axis=0) + MARGIN_M
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def _draw_way(axes: Any, trajectory: Sequence[tuple[int, SE2]]) -> None:
+    if not trajectory:
+        return
+    way = np.array([[pose.x, pose.y] for _, pose in trajectory])
+    axes.plot(way[:, 0], way[:, 1], color="#1f6fd1", linewidth=1.0, alpha=0.9)
+    for point, color, label in ((way[0], "#1a7f4b", "start"), (way[-1], "#b3261e", "end")):
+        axes.plot(*point, "o", color=color, markersize=5, label=label)
+    axes.legend(loc="upper right", fontsize=8)
+
+
+def _draw_scale(axes: Any, left: float, bottom: float, width: float, height: float) -> None:
+    """Draw a bar of a round length, at most a quarter of the picture, and write the length."""
+    fitting = [length for length in ROUND_LENGTHS_M if length <= width / 4.0]
+    length = fitting[-1] if fitting else ROUND_LENGTHS_M[0]
+    x, y = left + 0.03 * width, bottom + 0.03 * height
+    axes.plot([x, x + length], [y, y], color="black", linewidth=3)
+    axes.text(x, y + 0.012 * height, f"{length:g} m", fontsize=9)

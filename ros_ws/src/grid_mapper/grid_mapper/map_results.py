@@ -1,0 +1,217 @@
+"""What a mapping run leaves behind: map, trajectory, picture, figures and a page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from floornav_common.grid import OccupancyMap
+from floornav_common.report_page import Figures, Picture, Section, Table
+from floornav_common.reporting import write_atomic, write_html
+from grid_mapper.map_files import save_map
+from grid_mapper.map_pictures import draw_map
+from grid_mapper.map_run import MapRun, peak_memory_mb
+from grid_mapper.recordings import Recording
+from grid_mapper.relations import Relation, RelationErrors, relation_errors
+from grid_mapper.trajectory_metrics import (
+    Trajectory,
+    format_tum,
+    path_length,
+    trajectory_errors,
+)
+
+SUMMARY_KEYS = (
+    "scans", "scans_used", "scans_untrusted", "scans_without_transform", "stamps_backwards",
+    "stamps_repeated", "time_jumps", "malformed", "path_m", "duration_s",
+    "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
+    "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
+    "relations_used", "relations_total", "relations_worst", "ate_m", "rpe_m", "gt_poses",
+    "ms_median", "ms_p99", "peak_mb", "input", "input_format", "input_info", "problem",
+)  # fmt: skip
+NUM_WORST = 5
+NUM_REASONS = 5
+
+
+@dataclass
+class MapInputs:
+    """What a run is compared with, and what it was made from.
+
+    Attributes:
+        name: Name of the recording.
+        relations: Known relations; None where not asked for.
+        relations_tolerance_ns: How far their stamps may be from a pose.
+        relations_offset_ns: Added to the trajectory's stamps.
+        truth: Ground truth; None where not asked for.
+        format: Format of the recording.
+        info: How the recording was read.
+    """
+
+    name: str
+    relations: list[Relation] | None = None
+    relations_tolerance_ns: int = 2_000_000
+    relations_offset_ns: int = 0
+    truth: Trajectory | None = None
+    format: str = ""
+    info: tuple[str, ...] = ()
+
+
+def write_results(
+    out: Path,
+    inputs: MapInputs,
+    recording: Recording,
+    run: MapRun,
+    occupancy: OccupancyMap,
+    summary: dict[str, Any],
+) -> str:
+    """Write all files of a run and fill its summary.
+
+    Returns:
+        The figures as text for the screen.
+    """
+    summary.update(_figures(inputs, recording, run))
+    is_whole = recording.problem is None and not run.is_interrupted
+    summary.update(ok=is_whole, partial=not is_whole)
+    save_map(out / "map", occupancy)
+    write_atomic(out / "trajectory.tum", format_tum(run.trajectory))
+    title = f"{inputs.name}: {len(run.trajectory)} scans, {summary['path_m']:.1f} m"
+    write_atomic(out / "map.png", draw_map(occupancy, run.trajectory, title))
+    errors = None
+    if inputs.relations is not None:
+        errors = relation_errors(
+            run.trajectory, inputs.relations, inputs.relations_tolerance_ns,
+            inputs.relations_offset_ns,
+        )  # fmt: skip
+        summary.update(relation_figures(errors))
+    if inputs.truth is not None:
+        summary.update(_truth_figures(run, inputs.truth))
+    write_html(out, f"Map of {inputs.name}", _sections(out, inputs, summary, run), inputs.format)
+    return screen_text(summary)
+
+
+def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, Any]:
+    counts, stamps = recording.counts, [stamp_ns for stamp_ns, _ in run.trajectory]
+    return {
+        "scans": counts.scans,
+        "scans_used": len(run.trajectory),
+        "scans_untrusted": len(run.untrusted),
+        "scans_without_transform": counts.without_transform,
+        "stamps_backwards": counts.stamps_backwards,
+        "stamps_repeated": counts.stamps_repeated,
+        "time_jumps": counts.jumps,
+        "malformed": counts.malformed,
+        "path_m": path_length(run.trajectory),
+        "duration_s": (max(stamps) - min(stamps)) * 1e-9 if stamps else 0.0,
+        "ms_median": run.ms_quantile(0.5),
+        "ms_p99": run.ms_quantile(0.99),
+        "peak_mb": round(peak_memory_mb(), 1),
+        "input": inputs.name,
+        "input_format": inputs.format,
+        "input_info": list(inputs.info),
+        "problem": recording.problem,
+    }
+
+
+def relation_figures(errors: RelationErrors) -> dict[str, Any]:
+    """Return mean, median, deviation and the worst of relation errors, by summary key."""
+    trans, rot = errors.translations, np.degrees(errors.rotations)
+    is_empty = len(trans) == 0
+    return {
+        "relations_trans_m": None if is_empty else float(np.mean(trans)),
+        "relations_trans_median_m": None if is_empty else float(np.median(trans)),
+        "relations_trans_std_m": None if is_empty else float(np.std(trans)),
+        "relations_rot_deg": None if is_empty else float(np.mean(rot)),
+        "relations_rot_median_deg": None if is_empty else float(np.median(rot)),
+        "relations_rot_std_deg": None if is_empty else float(np.std(rot)),
+        "relations_used": len(trans),
+        "relations_total": errors.num_total,
+        "relations_worst": [
+            {
+                "t1": relation.stamp1_ns * 1e-9,
+                "t2": relation.stamp2_ns * 1e-9,
+                "trans_m": translation,
+                "rot_deg": float(np.degrees(rotation)),
+            }
+            for relation, translation, rotation in errors.worst(NUM_WORST)
+        ],
+    }
+
+
+def _truth_figures(run: MapRun, truth: Trajectory) -> dict[str, Any]:
+    try:
+        errors = trajectory_errors(run.trajectory, truth)
+    except ValueError as error:
+        return {"gt_poses": 0, "ok": False, "problem": f"ground truth: {error}"}
+    return {"ate_m": errors.ate, "rpe_m": errors.rpe, "gt_poses": errors.num_compared}
+
+
+def screen_text(summary: dict[str, Any]) -> str:
+    """Return the figures of a run as lines for the screen."""
+    s = summary
+    lines = [
+        f"scans: {s['scans']}, used {s['scans_used']}, not trusted {s['scans_untrusted']};"
+        f" way {s['path_m']:.1f} m in {s['duration_s']:.1f} s"
+    ]
+    if s["ms_median"] is not None:
+        lines.append(
+            f"time per scan: median {s['ms_median']:.2f} ms, p99 {s['ms_p99']:.2f} ms;"
+            f" memory at most {s['peak_mb']:.0f} MB"
+        )
+    odd = {
+        "without transform": s["scans_without_transform"], "stamps going back":
+        s["stamps_backwards"], "stamps repeated": s["stamps_repeated"], "jumps back in time":
+        s["time_jumps"], "malformed": s["malformed"],
+    }  # fmt: skip
+    if any(odd.values()):
+        lines.append("met: " + ", ".join(f"{n} {name}" for name, n in odd.items() if n))
+    lines.extend(_relation_lines(s))
+    if s["ate_m"] is not None:
+        lines.append(f"ATE {s['ate_m']:.4f} m, RPE {s['rpe_m']:.4f} m ({s['gt_poses']} poses)")
+    return "\n".join(lines)
+
+
+def _relation_lines(s: dict[str, Any]) -> list[str]:
+    if s["relations_used"] is None:
+        return []
+    lines = [f"relations: {s['relations_used']} of {s['relations_total']} matched"]
+    if s["relations_used"]:
+        for key, unit in (("trans", "m"), ("rot", "deg")):
+            mean, median, std = (
+                s[f"relations_{key}{what}_{unit}"] for what in ("", "_median", "_std")
+            )
+            name = "translation" if key == "trans" else "rotation"
+            lines.append(
+                f"  {name}: mean {mean:.4f} {unit}, median {median:.4f}, deviation {std:.4f}"
+            )
+        lines.extend(
+            f"  worst: {w['trans_m']:.3f} m, {w['rot_deg']:.2f} deg"
+            f" from {w['t1']:.3f} s to {w['t2']:.3f} s"
+            for w in s["relations_worst"]
+        )
+    return lines
+
+
+def _sections(
+    out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun
+) -> list[Section]:
+    figures = Figures([
+        ("scans used", f"{summary['scans_used']} of {summary['scans']}"),
+        ("not trusted", str(summary["scans_untrusted"])),
+        ("way", f"{summary['path_m']:.1f} m"),
+        ("ms per scan", "-" if summary["ms_median"] is None else f"{summary['ms_median']:.2f}"),
+    ])  # fmt: skip
+    sections = [
+        Section("Map", [figures, Picture(out / "map.png", "dark: obstacle, white: free")]),
+        Section("How it was read", list(inputs.info)),
+        Section("Figures", screen_text(summary).splitlines()),  # type: ignore[arg-type]
+    ]
+    if run.untrusted:
+        rows: list[list[Any]] = [
+            [f"{stamp_ns * 1e-9:.3f}", reason] for stamp_ns, reason in run.untrusted[:NUM_REASONS]
+        ]
+        sections.append(Section("First scans not trusted", [Table(["stamp, s", "why"], rows)]))
+    if summary["problem"]:
+        sections.append(Section("Partial", [str(summary["problem"])]))
+    return sections

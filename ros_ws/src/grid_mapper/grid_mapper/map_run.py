@@ -1,0 +1,114 @@
+"""The offline mapping run: a recording's scans through the mapper, one after the other."""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.recordings import Recording, ScanEvent
+
+
+class ScanOutcome(Protocol):
+    """What the run needs of a mapper's answer to a scan."""
+
+    @property
+    def T_map_base(self) -> SE2:
+        """Pose of the robot at the scan's stamp."""
+        ...
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether the match is to be trusted."""
+        ...
+
+    @property
+    def reason(self) -> str:
+        """Why not."""
+        ...
+
+
+class ScanMapper(Protocol):
+    """What the run needs of a mapper."""
+
+    def insert_scan(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> ScanOutcome:
+        """Localize and map one scan."""
+        ...
+
+
+@dataclass
+class MapRun:
+    """What a run has found so far.
+
+    Attributes:
+        trajectory: Stamp (ns) and pose of every scan that was used, as it came.
+        untrusted: Stamp (ns) and reason of every scan whose match was not trusted.
+        scan_ms: Time the mapper took for each scan, ms.
+        num_ranges: Readings of sonars met on the way.
+        is_interrupted: True after Ctrl-C.
+    """
+
+    trajectory: list[tuple[int, SE2]] = field(default_factory=list)
+    untrusted: list[tuple[int, str]] = field(default_factory=list)
+    scan_ms: list[float] = field(default_factory=list)
+    num_ranges: int = 0
+    is_interrupted: bool = False
+
+    def ms_quantile(self, share: float) -> float | None:
+        """Return a quantile of the time per scan, ms; None before the first scan."""
+        return float(np.quantile(self.scan_ms, share)) if self.scan_ms else None
+
+
+def run_mapper(
+    recording: Recording,
+    mapper: ScanMapper,
+    max_scans: int | None = None,
+    on_scan: Callable[[MapRun], None] = lambda run: None,
+) -> MapRun:
+    """Feed a recording to a mapper in lockstep; Ctrl-C ends the run and keeps what there is.
+
+    Args:
+        recording: Its events are taken.
+        mapper: Given every scan, in order, none left out.
+        max_scans: Stop after so many; None for all.
+        on_scan: Called after each scan.
+    """
+    run = MapRun()
+    try:
+        for event in recording.events():
+            if not isinstance(event, ScanEvent):
+                run.num_ranges += 1
+                continue
+            if max_scans is not None and len(run.trajectory) >= max_scans:
+                break
+            _insert(run, mapper, event)
+            on_scan(run)
+    except KeyboardInterrupt:
+        run.is_interrupted = True
+    return run
+
+
+def _insert(run: MapRun, mapper: ScanMapper, event: ScanEvent) -> None:
+    started = time.perf_counter()
+    result = mapper.insert_scan(
+        event.stamp_ns, event.scan, event.T_base_laser, event.T_odom_base
+    )
+    run.scan_ms.append(1e3 * (time.perf_counter() - started))
+    run.trajectory.append((event.stamp_ns, result.T_map_base))
+    if not result.is_trusted:
+        run.untrusted.append((event.stamp_ns, result.reason))
+
+
+def peak_memory_mb() -> float:
+    """Return the greatest memory this process has held, MB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / 2**20 if sys.platform == "darwin" else peak / 2**10
