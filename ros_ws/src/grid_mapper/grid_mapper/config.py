@@ -118,11 +118,19 @@ class GridMapperConfig:
         80.0, "Longer readings are left out, beside the scan's own range_max.", unit="m", gt=0.0
     )
     min_pairs: int = param(20, "A match of fewer scan points is not trusted.", ge=3)
-    min_pair_share: float = param(
-        0.4, "A match of a smaller share of the scan's points is not trusted.", ge=0.0, le=1.0
+    min_overlap: float = param(
+        0.2, "A match of a smaller share of the scan's points is not trusted.", ge=0.0, le=1.0
     )
+    min_agreement: float = param(
+        0.6, "A match whose pairs fit worse (mean weight) is not trusted.", ge=0.0, le=1.0
+    )
+    sure_overlap: float = param(
+        0.5, "From this overlap on, a match that agrees is believed against odometry.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
     max_correction_sigmas: float = param(
-        6.0, "A match this many deviations from the prediction is not trusted.", gt=0.0
+        5.0, "Below sure_overlap, a match further from the prediction is not trusted.",
+        unit="deviations", gt=0.0,
     )
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
     motion: MotionConfig = field(default_factory=MotionConfig)

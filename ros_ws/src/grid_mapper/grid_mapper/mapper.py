@@ -17,7 +17,9 @@ from grid_mapper.scan_matcher import MatchResult, ScanMatcher
 from grid_mapper.surface_points import SurfacePoints, surface_points
 
 # Points in one cell share that cell's error, so they are worth fewer independent measurements.
-INDEPENDENT_SHARE = 0.05
+INDEPENDENT_SHARE = 0.3
+# How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
+VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class ScanResult:
         is_trusted: False where the match was refused and the pose is the prediction.
         reason: Why it was refused; "" if trusted.
         is_key_scan: True if the scan entered the map.
-        pair_share: Share of the scan's points that fit the map, 0..1; 1 for the first scan.
+        overlap: Share of the scan's points that found the map, 0..1; 1 for the first scan.
     """
 
     T_map_base: SE2
@@ -38,7 +40,7 @@ class ScanResult:
     is_trusted: bool
     reason: str
     is_key_scan: bool
-    pair_share: float
+    overlap: float
 
 
 @dataclass(frozen=True)
@@ -101,8 +103,27 @@ class GridMapper:
         self._remember(stamp_ns, T_odom_base, result, moved_dt)
         return ScanResult(
             result.T_map_base, result.cov, result.is_trusted, result.reason, is_key,
-            result.pair_share,
+            result.overlap,
         )  # fmt: skip
+
+    def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
+        """Go on from another pose, as told from outside; the next scan settles it.
+
+        Args:
+            T_map_base: About where the robot is.
+            cov: Of (x, y, yaw) in map axes, shape (3, 3); None for 0.3 m and 0.2 rad.
+        """
+        cov = np.diag(VAGUE_SIGMAS**2) if cov is None else cov
+        if self._last is None:
+            self._T_map_start = T_map_base
+        else:
+            still = SE2.identity()
+            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, still, 0.0)
+
+    def break_motion(self) -> None:
+        """Forget the motion so far: time or odometry jumped. The map and the pose stay."""
+        if self._last is not None:
+            self.relocate(self._last.T_map_base)
 
     def occupancy(self) -> OccupancyMap:
         """Return the map as it stands."""
@@ -151,18 +172,18 @@ class GridMapper:
         off = match.T_map_base.as_array() - T_pred.as_array()
         off[2] = T_pred.between(match.T_map_base).yaw
         sigmas = float(np.sqrt(off @ np.linalg.solve(cov_pred, off)))
-        reason = ""
-        if match.num_pairs < self.config.min_pairs:
+        config, reason = self.config, ""
+        if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
             reason = f"{match.num_pairs} of {num_points} points found the map"
-        elif match.pair_share < self.config.min_pair_share:
-            reason = f"{100 * match.pair_share:.0f} % of the scan fits the map"
-        elif sigmas > self.config.max_correction_sigmas:
-            reason = f"the match is {sigmas:.1f} deviations from the prediction"
+        elif match.agreement < config.min_agreement:
+            reason = f"the points that found the map agree with it by {match.agreement:.2f}"
+        elif match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
+            reason = f"a match of few points is {sigmas:.1f} deviations from the prediction"
         if reason:
-            return ScanResult(T_pred, cov_pred, False, reason, False, match.pair_share)
+            return ScanResult(T_pred, cov_pred, False, reason, False, match.overlap)
         information = np.linalg.inv(cov_pred) + INDEPENDENT_SHARE * match.information
         cov = np.linalg.inv(information)
-        return ScanResult(match.T_map_base, cov, True, "", False, match.pair_share)
+        return ScanResult(match.T_map_base, cov, True, "", False, match.overlap)
 
     def _is_key(self, stamp_ns: int, T_map_base: SE2) -> bool:
         if self._key is None:

@@ -28,7 +28,7 @@ NUM_VALUES = 6
 COARSE_POINTS = 200  # points used while the pose is still far off
 COARSE_WIDTH, FINE_WIDTH = 25.0, 4.0  # of rho, in squared deviations
 BASIN_M, BASIN_RAD = 0.4, 0.15  # a start this near to the truth still converges
-MAX_STARTS = 3  # to each side and in each axis
+MAX_STARTS = np.array([1, 1, 3])  # to each side of x, y and yaw
 
 
 @dataclass(frozen=True)
@@ -38,14 +38,16 @@ class MatchResult:
     Attributes:
         T_map_base: Best pose.
         information: Of (x, y, yaw) in map axes from the scan alone, shape (3, 3), SI.
-        pair_share: Share of points that found a partner, weighted by how well it fits, 0..1.
+        overlap: Share of the points that found a partner in the map, 0..1.
+        agreement: Mean weight rho' of those pairs, 0..1; 1 when each fits exactly.
         num_pairs: Points paired.
         rms: Weighted root mean square Mahalanobis residual; about 1 when the model holds.
     """
 
     T_map_base: SE2
     information: np.ndarray
-    pair_share: float
+    overlap: float
+    agreement: float
     num_pairs: int
     rms: float
 
@@ -79,7 +81,7 @@ class ScanMatcher:
             self._register(scan, stride, start, T_pred, prior, COARSE_WIDTH)
             for start in starting_poses(T_pred, cov_pred)
         ]
-        best = max(coarse, key=lambda fit: fit.pair_share)
+        best = max(coarse, key=lambda fit: fit.overlap * fit.agreement)
         return self._register(scan, 1, best.T_map_base, T_pred, prior, FINE_WIDTH)
 
     def _register(
@@ -95,7 +97,8 @@ class ScanMatcher:
         return MatchResult(
             T_map_base=SE2(*pose),
             information=information * stride,
-            pair_share=float(weight * stride / max(1, len(scan))),
+            overlap=float(num_pairs / max(1, len(scan.points[::stride]))),
+            agreement=float(weight / max(1, num_pairs)),
             num_pairs=int(num_pairs * stride),
             rms=float(np.sqrt(error / max(weight, 1e-9))),
         )
