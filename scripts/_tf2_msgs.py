@@ -39,7 +39,11 @@ def build_tf2_msgs(prefix, cmake=None, log_path=None):
     prefix = Path(prefix)
     facts = _interpreter_facts(prefix)
     cmake = cmake or find_cmake(prefix)
-    check_tools(facts["include"], cmake)
+    check_compiler()
+    if cmake is None:
+        raise BuildToolMissingError("no cmake found")
+    if not (Path(facts["include"]) / "Python.h").exists():
+        raise BuildToolMissingError(f"no Python.h in {facts['include']} (install the python3-dev package)")
     log_path = Path(log_path or prefix / "tf2_msgs_build.log")
     with tempfile.TemporaryDirectory(prefix="floornav_tf2_msgs_") as scratch:
         overlay = _overlay_with_local_paths(prefix, Path(scratch) / "overlay", facts)
@@ -49,17 +53,16 @@ def build_tf2_msgs(prefix, cmake=None, log_path=None):
         _copy_into(staged, prefix, Path(facts["site_packages"]))
 
 
-def check_tools(include_dir, cmake):
-    """Raise BuildToolMissingError with one clear line for the first build tool that is missing."""
-    if cmake is None:
-        raise BuildToolMissingError("no cmake found")
-    for names, what in ((("cc", "gcc", "clang"), "C compiler"), (("c++", "g++", "clang++"), "C++ compiler")):
+def check_compiler():
+    """Raise BuildToolMissingError with one clear line for the first program that is missing."""
+    wanted = (
+        ("C compiler", ("cc", "gcc", "clang")),
+        ("C++ compiler", ("c++", "g++", "clang++")),
+        ("make", ("make", "gmake")),
+    )
+    for what, names in wanted:
         if not any(shutil.which(name) for name in names):
             raise BuildToolMissingError(f"no {what} found ({', '.join(names)})")
-    if not any(shutil.which(name) for name in ("ninja", "make", "gmake")):
-        raise BuildToolMissingError("neither make nor ninja found")
-    if not (Path(include_dir) / "Python.h").exists():
-        raise BuildToolMissingError(f"no Python.h in {include_dir} (package python3-dev)")
 
 
 def find_cmake(prefix):

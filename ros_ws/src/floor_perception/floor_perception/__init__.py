@@ -1,0 +1,1 @@
+"""Floor region, free space and colored markers in omnidirectional images."""

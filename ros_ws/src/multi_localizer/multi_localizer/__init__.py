@@ -1,0 +1,1 @@
+"""Poses from floor shape, landmarks, teammates and stereo views."""

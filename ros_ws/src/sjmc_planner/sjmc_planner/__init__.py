@@ -1,0 +1,1 @@
+"""Obstacle avoidance that expects people to step aside, with its baselines."""

@@ -1,0 +1,26 @@
+#!/usr/bin/env python3
+"""Set up the environment and run the tests: `python3 scripts/test.py [pytest arguments]`.
+
+Without arguments all tests run; the exit code is pytest's.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+from _environment import ROOT, ensure_environment
+
+
+def main() -> None:
+    """Hand over to pytest in the checkout; paths on the command line are those of the caller."""
+    if sys.argv[1:] in (["-h"], ["--help"]):
+        print(__doc__.strip())
+        return
+    ensure_environment(needs="node")
+    words = [str(Path(word).absolute()) if Path(word.split("::")[0]).exists() else word for word in sys.argv[1:]]
+    os.chdir(ROOT)
+    os.execv(sys.executable, [sys.executable, "-m", "pytest", *words])
+
+
+if __name__ == "__main__":
+    main()
