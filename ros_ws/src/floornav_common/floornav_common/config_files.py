@@ -92,7 +92,7 @@ def describe(field: Any) -> str:
     m = field.metadata
     details = [f"unit: {m['unit']}" if m.get("unit") else "", range_text(field)]
     extra = "; ".join(text for text in details if text)
-    return m.get("doc", "") + (f" ({extra})" if extra else "")
+    return str(m.get("doc", "")) + (f" ({extra})" if extra else "")
 
 
 def refuse_unknown(names: Iterable[str], known: Iterable[str], where: str) -> None:

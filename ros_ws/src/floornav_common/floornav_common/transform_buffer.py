@@ -15,34 +15,23 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from floornav_common.transform3 import Transform3, invert
+from floornav_common.transform_errors import (
+    FutureExtrapolationError,
+    NotConnectedError,
+    PastExtrapolationError,
+    TooEarlyError,
+    TransformUnavailable,
+    UnknownFrameError,
+)
 from floornav_common.transform_history import History, Sample
+
+__all__ = [
+    "FutureExtrapolationError", "NotConnectedError", "PastExtrapolationError", "TooEarlyError",
+    "TransformBuffer", "TransformUnavailable", "UnknownFrameError", "clean_frame",
+]  # fmt: skip
 
 DEFAULT_CACHE_NS = 10_000_000_000
 QUAT_NORM_TOLERANCE = 1e-2  # of the squared norm, as tf2
-
-
-class TransformUnavailable(Exception):  # noqa: N818, the base says what it means
-    """A transform cannot be given; the message names the frames, the stamp and what is there."""
-
-
-class UnknownFrameError(TransformUnavailable, LookupError):
-    """A frame was never heard of."""
-
-
-class NotConnectedError(TransformUnavailable):
-    """Both frames are known, no chain of transforms joins them."""
-
-
-class FutureExtrapolationError(TransformUnavailable):
-    """The stamp is newer than the newest sample of a frame: it may still come."""
-
-
-class PastExtrapolationError(TransformUnavailable):
-    """The stamp is older than the oldest sample of a frame."""
-
-
-class TooEarlyError(PastExtrapolationError):
-    """The stamp is older than all that the buffer keeps: it can no longer come."""
 
 
 class TransformBuffer:
@@ -107,8 +96,7 @@ class TransformBuffer:
             stamp_ns: When, ns; 0 or None for the newest stamp known of the whole chain.
 
         Raises:
-            TransformUnavailable: By kind: `UnknownFrameError`, `NotConnectedError`,
-                `FutureExtrapolationError`, `PastExtrapolationError`, `TooEarlyError`.
+            TransformUnavailable: By kind, see `transform_errors`.
         """
         target, source = self._known(target), self._known(source)
         if target == source:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType, JumpThreshold
 from rclpy.duration import Duration
@@ -32,7 +33,12 @@ class NodeTime(TimeWatch):
         self._jumps = self._clock.create_jump_callback(
             threshold, post_callback=lambda _jump: self.look()
         )
-        self._timer = node.create_timer(_LOOK_PERIOD_S, self.look, clock=self.steady_clock)
+        self._on_look: list[Callable[[], None]] = []
+        self._timer = node.create_timer(_LOOK_PERIOD_S, self._on_timer, clock=self.steady_clock)
+
+    def on_look(self, callback: Callable[[], None]) -> None:
+        """Call back ten times a second of the steady clock, after a look at the clocks."""
+        self._on_look.append(callback)
 
     @staticmethod
     def steady_ns() -> int:
@@ -48,3 +54,8 @@ class NodeTime(TimeWatch):
         """Look, and return the time silence is counted on, ns."""
         self.look()
         return self.now_ns
+
+    def _on_timer(self) -> None:
+        self.look()
+        for callback in self._on_look:
+            callback()

@@ -14,6 +14,7 @@ from floornav_common.ros.parameters import ParameterError
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 _SPIN_S = 1.0  # spin() and spin_once(None) of the wheels' EventsExecutor never return
+_BAD_START = ("RCLError", "RCLInvalidROSArgsError", "UnknownROSArgsError", "InvalidNodeNameError")
 
 
 def run_node(make_node: Callable[[], Node], args: Sequence[str] | None = None) -> int:
@@ -33,18 +34,16 @@ def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | No
     """Run several nodes in one process until they are told to stop; see `run_node`."""
     nodes: list[Node] = []
     try:
-        rclpy.init(args=None if args is None else list(args))
-        executor = make_executor()
-        for make_node in make_nodes:
-            nodes.append(make_node())
-            executor.add_node(nodes[-1])
-        _spin(executor)
+        _start(make_nodes, args, nodes)
+        _spin(nodes)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except ParameterError as error:
         print(error, file=sys.stderr)
         return EXIT_USAGE
     except Exception:
+        if _is_stopping(nodes):
+            return EXIT_OK
         traceback.print_exc()
         return EXIT_FAILED
     finally:
@@ -52,6 +51,11 @@ def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | No
             node.destroy_node()
         rclpy.try_shutdown()
     return EXIT_OK
+
+
+def _is_stopping(nodes: Sequence[Node]) -> bool:
+    """Return whether what failed was only cut short by the shutdown."""
+    return bool(nodes) and not rclpy.ok()
 
 
 def make_executor() -> Executor:
@@ -65,6 +69,28 @@ def make_executor() -> Executor:
     return EventsExecutor()
 
 
-def _spin(executor: Executor) -> None:
+def _start(
+    make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | None, nodes: list[Node]
+) -> None:
+    try:
+        rclpy.init(args=None if args is None else list(args))
+        for make_node in make_nodes:
+            nodes.append(make_node())
+    except Exception as error:
+        if type(error).__name__ not in _BAD_START or (nodes and not rclpy.ok()):
+            raise
+        raise ParameterError(_one_line(error)) from error
+
+
+def _one_line(error: Exception) -> str:
+    text = " ".join(str(error).split()).split(", at /")[0]
+    is_argument = type(error).__name__ == "UnknownROSArgsError"
+    return f"unknown ROS argument {text}" if is_argument else text
+
+
+def _spin(nodes: Sequence[Node]) -> None:
+    executor = make_executor()
+    for node in nodes:
+        executor.add_node(node)
     while rclpy.ok():
         executor.spin_once(timeout_sec=_SPIN_S)

@@ -9,11 +9,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSCompatibility,
+    QoSPolicyKind,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+    qos_policy_name_from_kind,
+)
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
+
+from floornav_common.ros.parameters import ParameterError
 
 
 def _profile(depth: int, reliability: ReliabilityPolicy, *, is_latched: bool = False) -> QoSProfile:
@@ -31,8 +44,14 @@ TF_QOS = _profile(100, ReliabilityPolicy.RELIABLE)
 TF_STATIC_QOS = _profile(100, ReliabilityPolicy.RELIABLE, is_latched=True)
 
 _OVERRIDABLE = (
-    QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY,
-)  # fmt: skip
+    QoSPolicyKind.HISTORY,
+    QoSPolicyKind.DEPTH,
+    QoSPolicyKind.RELIABILITY,
+    QoSPolicyKind.DURABILITY,
+)
+_NAME_LOOK_S, _NAME_LOOKS = 0.1, 20
+_WEAKEST = {"RELIABILITY": "best_effort", "DURABILITY": "volatile"}
+_STRONGEST = {"RELIABILITY": "reliable", "DURABILITY": "transient_local"}
 
 
 def copy_qos(qos: QoSProfile) -> QoSProfile:
@@ -43,17 +62,124 @@ def copy_qos(qos: QoSProfile) -> QoSProfile:
 
 
 def create_publisher(node: Node, msg_type: type, topic: str, qos: QoSProfile) -> Publisher:
-    """Create a publisher that takes `qos_overrides.<topic>.publisher.*` parameters."""
-    return node.create_publisher(
-        msg_type, topic, copy_qos(qos), qos_overriding_options=QoSOverridingOptions(_OVERRIDABLE)
-    )
+    """Create a publisher that takes `qos_overrides.<topic>.publisher.*` parameters.
+
+    A subscriber that asks for more than is offered is named in a warning, with the cure.
+
+    Raises:
+        ParameterError: If an override is none of the policy's values.
+    """
+    own = copy_qos(qos)
+
+    def mismatched() -> list[Any]:
+        infos = node.get_subscriptions_info_by_topic(publisher.topic_name)
+        return [i for i in infos if not _is_compatible(own, i.qos_profile)]
+
+    def warn(event: Any) -> None:
+        _warn_when_named(node, publisher.topic_name, event, mismatched, "publisher")
+
+    publisher: Publisher = _with_overrides(
+        node.create_publisher, msg_type, topic, own,
+        event_callbacks=PublisherEventCallbacks(incompatible_qos=warn),
+    )  # fmt: skip
+    return publisher
 
 
 def create_subscription(
     node: Node, msg_type: type, topic: str, callback: Callable[[Any], None], qos: QoSProfile
 ) -> Subscription:
-    """Create a subscription that takes `qos_overrides.<topic>.subscription.*` parameters."""
-    return node.create_subscription(
-        msg_type, topic, callback, copy_qos(qos),
-        qos_overriding_options=QoSOverridingOptions(_OVERRIDABLE),
+    """Create a subscription that takes `qos_overrides.<topic>.subscription.*` parameters.
+
+    A publisher that offers less than is asked for is named in a warning, with the cure.
+
+    Raises:
+        ParameterError: If an override is none of the policy's values.
+    """
+    own = copy_qos(qos)
+
+    def mismatched() -> list[Any]:
+        infos = node.get_publishers_info_by_topic(subscription.topic_name)
+        return [i for i in infos if not _is_compatible(i.qos_profile, own)]
+
+    def warn(event: Any) -> None:
+        _warn_when_named(node, subscription.topic_name, event, mismatched, "subscription")
+
+    subscription: Subscription = _with_overrides(
+        node.create_subscription, msg_type, topic, callback, own,
+        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=warn),
     )  # fmt: skip
+    return subscription
+
+
+def mismatch_text(topic: str, policy: str, others: list[str], role: str) -> str:
+    """Return the warning about an incompatible other side.
+
+    Args:
+        topic: Full topic name.
+        policy: Name of the policy that does not match, such as `RELIABILITY`.
+        others: Full names of the nodes on the other side.
+        role: What we are: `publisher` or `subscription`.
+    """
+    names = " and ".join(others) or "a node that has not given its name"
+    key = f"qos_overrides.{topic}.{role}.{policy.lower()}"
+    if role == "subscription":
+        what, cure = "publishes with less", _WEAKEST.get(policy)
+    else:
+        what, cure = "asks for more", _STRONGEST.get(policy)
+    text = f"{topic}: no messages pass, {names} {what} {policy.lower()} than this node"
+    return f"{text}; start this node with -p {key}:={cure}" if cure else text
+
+
+def lost_text(topic: str, others: list[str]) -> str:
+    """Return the warning about messages that a matching publisher sends but do not arrive."""
+    names = " and ".join(others) or "its publisher"
+    key = f"qos_overrides.{topic}.subscription.reliability"
+    return (
+        f"{topic}: messages from {names} get lost; set FASTRTPS_DEFAULT_PROFILES_FILE for both "
+        f"sides, or start this node with -p {key}:=reliable"
+    )
+
+
+def publisher_names(node: Node, topic: str) -> list[str]:
+    """Return the full names of the nodes that publish a topic (full name), this one left out."""
+    own = node.get_fully_qualified_name()
+    return [name for name in _names(node.get_publishers_info_by_topic(topic)) if name != own]
+
+
+def _with_overrides(create: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+    options = QoSOverridingOptions(_OVERRIDABLE)
+    try:
+        return create(*args, qos_overriding_options=options, **kwargs)
+    except RuntimeError as error:
+        if "QoS override" not in str(error):
+            raise
+        raise ParameterError(f"{args[1]}: {error}") from error
+
+
+def _warn_when_named(
+    node: Node, topic: str, event: Any, mismatched: Callable[[], list[Any]], role: str
+) -> None:
+    """Warn once the other side's name is known: the graph hears it a moment after the event."""
+    policy = qos_policy_name_from_kind(event.last_policy_kind)
+    num_looks = 0
+
+    def look() -> None:
+        nonlocal num_looks
+        num_looks += 1
+        names = _names(mismatched())
+        if names or num_looks >= _NAME_LOOKS:
+            node.destroy_timer(timer)
+            node.get_logger().warning(mismatch_text(topic, policy, names, role))
+
+    timer = node.create_timer(_NAME_LOOK_S, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+def _is_compatible(publisher: QoSProfile, subscription: QoSProfile) -> bool:
+    compatibility, _ = qos_check_compatible(publisher, subscription)
+    return bool(compatibility != QoSCompatibility.ERROR)
+
+
+def _names(infos: list[Any]) -> list[str]:
+    """Return full node names; those the graph has not heard yet are left out."""
+    names = {f"{i.node_namespace.rstrip('/')}/{i.node_name}" for i in infos}
+    return sorted(name for name in names if "_UNKNOWN_" not in name)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import QoSProfile
 
+from floornav_common.ros.diagnostics import OK, WARN, Status
 from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.qos import create_subscription
 from floornav_common.time_watch import Throttle
@@ -17,8 +18,7 @@ from floornav_common.waiting_queue import Waiting, WaitingQueue
 if TYPE_CHECKING:
     from floornav_common.ros.node import FloornavNode
 
-_CAPACITY = 100  # 40 Hz for 2.5 s
-_LOOK_PERIOD_S = 0.05
+CAPACITY = 100  # 2.5 s at 40 Hz
 _WARN_PERIOD_NS = 5_000_000_000
 
 
@@ -35,6 +35,12 @@ class TransformedSubscription:
         qos: Profile.
         target_frame: Frame to bring the data to.
         callback: Called with the message and a `Transform3`.
+
+    Attributes:
+        topic: Full name of the topic.
+        num_received: Messages that came.
+        num_delivered: Messages handed to the callback.
+        num_dropped: Messages given up, for want of a transform or of room.
     """
 
     def __init__(
@@ -51,60 +57,72 @@ class TransformedSubscription:
         self.num_received = self.num_delivered = self.num_dropped = 0
         self._node = node
         self._callback = callback
-        self._queue = WaitingQueue(_CAPACITY)
+        self._queue = WaitingQueue(CAPACITY)
         self._warnings = Throttle(_WARN_PERIOD_NS)
-        self._found: Transform3 | None = None
-        self._error = ""
+        self._found = Transform3.identity()
+        self._missing = self._error = ""
+        self._dropped_at_ns: int | None = None
         node.transforms.on_update(self._deliver)
         node.time.on_restart(self._restart)
+        node.time.on_look(self._look)
         self._subscription = create_subscription(node, msg_type, topic, self._on_message, qos)
         self.topic = self._subscription.topic_name
-        self._timer = node.create_timer(_LOOK_PERIOD_S, self._look, clock=node.time.steady_clock)
+        node.diagnostics.add(f"transforms of {self.topic}", self.status)
 
-    def __len__(self) -> int:
-        """Return how many messages wait."""
-        return len(self._queue)
+    def status(self) -> Status:
+        """Return whether the messages of the last seconds found their transforms."""
+        values = {
+            "received": self.num_received,
+            "delivered": self.num_delivered,
+            "dropped": self.num_dropped,
+            "waiting": len(self._queue),
+            "last reason": self._error,
+        }
+        since_ns = self._node.time.steady_ns() - (self._dropped_at_ns or 0)
+        if self._dropped_at_ns is not None and since_ns < _WARN_PERIOD_NS:
+            return Status(WARN, self._missing, values)
+        return Status(OK, "transforms are there" if self.num_delivered else "no message", values)
 
     def _on_message(self, msg: Any) -> None:
         self.num_received += 1
         stamp_ns = stamp_to_ns(msg.header.stamp)
-        pushed_out = self._queue.push(stamp_ns, self._node.time.read_ns(), msg)
-        self._drop(pushed_out, f"more than {_CAPACITY} messages wait")
+        for waiting in self._queue.push(stamp_ns, self._node.time.read_ns(), msg):
+            self._drop(waiting, f"more than {CAPACITY} messages wait")
         self._deliver()
 
     def _look(self) -> None:
-        if len(self._queue):
-            self._drop_late()
-            self._deliver()
+        timeout_ns = int(self._node.frames.transform_timeout_s * 1e9)
+        for waiting in self._queue.pop_late(self._node.time.now_ns, timeout_ns):
+            # What waited behind an older message may well have its transform.
+            if self._is_covered(waiting):
+                self._hand_over(waiting)
+            else:
+                self._drop(waiting, self._error)
+        self._deliver()
 
     def _deliver(self) -> None:
         while (waiting := self._queue.pop_head(self._is_covered)) is not None:
-            assert self._found is not None
-            self.num_delivered += 1
-            self._callback(waiting.msg, self._found)
+            self._hand_over(waiting)
 
-    def _drop_late(self) -> None:
-        timeout_s = self._node.frames.transform_timeout_s
-        late = self._queue.pop_late(self._node.time.read_ns(), int(timeout_s * 1e9))
-        for waiting in late:
-            # What waited behind an older message may well have its transform.
-            if self._is_covered(waiting) and self._found is not None:
-                self.num_delivered += 1
-                self._callback(waiting.msg, self._found)
-            else:
-                self._drop([waiting], self._error)
+    def _hand_over(self, waiting: Waiting) -> None:
+        self.num_delivered += 1
+        self._callback(waiting.msg, self._found)
 
-    def _drop(self, dropped: list[Waiting], reason: str) -> None:
-        self.num_dropped += len(dropped)
-        if dropped and self._warnings.is_due(self._node.time.steady_ns()):
+    def _drop(self, waiting: Waiting, reason: str) -> None:
+        self.num_dropped += 1
+        self._error, self._dropped_at_ns = reason, self._node.time.steady_ns()
+        frame = waiting.msg.header.frame_id
+        self._missing = f"no transform from '{frame}' to '{self.target_frame}' in time"
+        if self._warnings.is_due(self._dropped_at_ns):
             self._node.get_logger().warning(
-                f"{self.topic}: {self.num_dropped} of {self.num_received} dropped: {reason}"
+                f"{self.topic}: {self.num_dropped} of {self.num_received} messages dropped, "
+                f"{self._missing}: {reason}"
             )
 
     def _is_covered(self, waiting: Waiting) -> bool:
-        frame = waiting.msg.header.frame_id
+        buffer = self._node.transforms.buffer
         try:
-            buffer = self._node.transforms.buffer
+            frame = waiting.msg.header.frame_id
             self._found = buffer.lookup(self.target_frame, frame, waiting.stamp_ns)
         except (TransformUnavailable, ValueError) as error:
             self._error = str(error)

@@ -1,4 +1,4 @@
-"""/tf and /tf_static: listening into our buffer, sending, and who else sends a transform."""
+"""/tf and /tf_static: listening into our buffer, and sending."""
 
 from __future__ import annotations
 
@@ -42,6 +42,7 @@ class TransformListener:
         self._steady_ns = steady_ns
         self._warnings = Throttle(_WARN_PERIOD_NS)
         self._on_update: list[Callable[[], None]] = []
+        self._on_sample: list[Callable[[Any], None]] = []
         message = tf_message_type()
         if message is None:
             node.get_logger().error(NO_TF)
@@ -53,11 +54,18 @@ class TransformListener:
         """Call back after every message that changed the buffer."""
         self._on_update.append(callback)
 
+    def on_sample(self, callback: Callable[[Any], None]) -> None:
+        """Call back with every geometry_msgs/TransformStamped of /tf."""
+        self._on_sample.append(callback)
+
     def clear(self) -> None:
         """Forget all that moves: the clock jumped back."""
         self.buffer.clear()
 
     def _on_tf(self, msg: Any) -> None:
+        for callback in self._on_sample:
+            for stamped in msg.transforms:
+                callback(stamped)
         self._store(msg, is_static=False)
 
     def _on_tf_static(self, msg: Any) -> None:

@@ -1,0 +1,83 @@
+"""Run several nodes of ours in one process: `compose PACKAGE/EXECUTABLE ... [--ros-args ...]`.
+
+Ten nodes in one process take 78 MB, in ten processes 670. Remap a single one of them by its name,
+as upstream does: `--ros-args -r grid_mapper:scan:=front/scan`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import inspect
+import sys
+from importlib.metadata import EntryPoint, entry_points
+from types import ModuleType
+from typing import Any
+
+PACKAGES = (
+    "floor_perception", "floornav_common", "grid_mapper", "multi_localizer", "sim_bridge",
+    "sjmc_planner",
+)  # fmt: skip
+
+
+def main(args: list[str] | None = None) -> int:
+    """Parse the command line and run; returns the exit code."""
+    words = sys.argv[1:] if args is None else args
+    parser = argparse.ArgumentParser(
+        prog="compose",
+        description="Run several floornav nodes in one process.",
+        epilog="Nodes that are installed: " + (", ".join(sorted(nodes_installed())) or "none"),
+    )
+    parser.add_argument("nodes", nargs="+", metavar="PACKAGE/EXECUTABLE")
+    at = words.index("--ros-args") if "--ros-args" in words else len(words)
+    names = parser.parse_args(words[:at]).nodes
+    try:
+        classes = [find_node_class(name) for name in names]
+    except (ValueError, ImportError) as error:
+        print(f"compose: {error}", file=sys.stderr)
+        return 2
+    from floornav_common.ros.main import run_nodes
+
+    return run_nodes(classes, ["compose", *words[at:]])
+
+
+def nodes_installed() -> dict[str, EntryPoint]:
+    """Return the executables of our packages that are nodes, by `PACKAGE/EXECUTABLE`."""
+    scripts = entry_points(group="console_scripts")
+    found = {}
+    for script in scripts:
+        package, _, rest = script.value.partition(".")
+        if package in PACKAGES and rest.startswith("nodes."):
+            found[f"{package}/{script.name}"] = script
+    return found
+
+
+def find_node_class(name: str) -> Any:
+    """Return the node class behind `PACKAGE/EXECUTABLE`.
+
+    Raises:
+        ValueError: If there is none; names what there is.
+        ImportError: If something it needs is missing.
+    """
+    installed = nodes_installed()
+    if name not in installed:
+        there = ", ".join(sorted(installed)) or "none"
+        raise ValueError(f"no node '{name}' is installed; there are: {there}")
+    module = importlib.import_module(installed[name].module)
+    classes = node_classes(module)
+    if len(classes) != 1:
+        raise ValueError(f"'{name}' must define one node class, it defines {len(classes)}")
+    return classes[0]
+
+
+def node_classes(module: ModuleType) -> list[Any]:
+    """Return the rclpy nodes that a module itself defines."""
+    from rclpy.node import Node
+
+    classes = vars(module).values()
+    own = [c for c in classes if inspect.isclass(c) and c.__module__ == module.__name__]
+    return [c for c in own if issubclass(c, Node)]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,62 @@
+"""Inputs that must keep coming: silence counted by the rule of time, and said on /diagnostics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from floornav_common.ros.diagnostics import OK, STALE, Status
+from floornav_common.ros.qos import publisher_names
+from floornav_common.time_watch import Deadline
+
+if TYPE_CHECKING:
+    from floornav_common.ros.node import FloornavNode
+
+
+class Watchdog:
+    """Watches one input of a node; part `input <topic>` of its diagnostics.
+
+    Args:
+        node: The node.
+        topic: Full name of the topic, or what else the input is called.
+        timeout_s: Silence allowed, in simulated seconds with `use_sim_time`.
+    """
+
+    def __init__(self, node: FloornavNode, topic: str, timeout_s: float) -> None:
+        """Start counting."""
+        self.topic = topic
+        self._node = node
+        self._deadline = Deadline(int(timeout_s * 1e9))
+        node.time.on_restart(self._deadline.restart)
+        node.diagnostics.add(f"input {topic}", self.status)
+
+    def feed(self) -> None:
+        """Note that the input came."""
+        self._deadline.feed(self._node.time.read_ns())
+
+    def set_timeout(self, timeout_s: float) -> None:
+        """Change the silence allowed, s."""
+        self._deadline.timeout_ns = int(timeout_s * 1e9)
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether the input came within the timeout, and time goes on."""
+        time = self._node.time
+        is_late = self._deadline.is_over(time.read_ns())
+        return self._deadline.has_heard and not is_late and not time.is_stopped
+
+    def status(self) -> Status:
+        """Return OK, or STALE with what is missing and who publishes it."""
+        time = self._node.time
+        silence_s = self._deadline.silence_ns(time.read_ns()) / 1e9
+        values = {"silent for (s)": f"{silence_s:.2f}", "timeout (s)": self._timeout_s}
+        if self.is_fresh:
+            return Status(OK, "arriving", values)
+        if time.is_stopped:
+            return Status(STALE, "/clock stands still", values)
+        others = ", ".join(publisher_names(self._node, self.topic)) or "nobody"
+        what = "no longer arriving" if self._deadline.has_heard else "never arrived"
+        return Status(STALE, f"{what}; published by {others}", values)
+
+    @property
+    def _timeout_s(self) -> float:
+        return self._deadline.timeout_ns / 1e9

@@ -1,0 +1,193 @@
+"""Nodes as real processes over DDS: each test has a domain of its own and ends what it started."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
+
+DISCOVERY_S = 10.0  # discovery takes 0.1 s, now and then 3 s
+DOMAINS = range(60, 100)
+
+
+def free_domain(taken: set[int] = set()) -> int:  # noqa: B006, remembers across tests on purpose
+    """Return a ROS domain whose first discovery port nobody holds."""
+    for domain in DOMAINS:
+        if domain in taken:
+            continue
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
+            except OSError:
+                continue
+        taken.add(domain)
+        return domain
+    taken.clear()
+    return free_domain(taken)
+
+
+class NodeProcess:
+    """A node that runs in a process of its own; its output is kept line by line."""
+
+    def __init__(self, command: list[str], env: dict[str, str]) -> None:
+        """Start it."""
+        self.process = subprocess.Popen(
+            command, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        self.lines: list[str] = []
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def text(self) -> str:
+        """All it has said so far."""
+        return "\n".join(self.lines)
+
+    def wait_for(self, words: str, timeout: float = DISCOVERY_S) -> str:
+        """Return the first line that holds words; fails with all it said if none comes."""
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            for line in list(self.lines):
+                if words in line:
+                    return line
+            if self.process.poll() is not None:
+                self._reader.join(1.0)
+                end = min(end, time.monotonic() + 0.1)
+            time.sleep(0.02)
+        pytest.fail(f"no line with '{words}' within {timeout} s in:\n{self.text}")
+
+    def wait_for_exit(self, timeout: float = DISCOVERY_S) -> int:
+        """Return the exit code."""
+        code = self.process.wait(timeout)
+        self._reader.join(1.0)
+        return code
+
+    def stop(self, sign: signal.Signals = signal.SIGTERM, timeout: float = 5.0) -> int:
+        """Ask it to stop and return the exit code."""
+        self.process.send_signal(sign)
+        return self.wait_for_exit(timeout)
+
+    def kill(self) -> None:
+        """End it for good, this one process only."""
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait(5.0)
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.lines.append(line.rstrip("\n"))
+
+
+class Peer:
+    """The test's own side of the graph: a plain rclpy node, spun while it waits."""
+
+    def __init__(self, domain: int, name: str = "test_peer") -> None:
+        """Join the domain."""
+        import rclpy
+        from rclpy.executors import SingleThreadedExecutor
+
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=domain)
+        self.node = rclpy.create_node(name, context=self.context)
+        self._executor = SingleThreadedExecutor(context=self.context)
+        self._executor.add_node(self.node)
+
+    def spin(self, seconds: float) -> None:
+        """Work for a while."""
+        self.spin_until(lambda: False, seconds, must=False)
+
+    def spin_until(
+        self, is_done: Callable[[], bool], timeout: float = DISCOVERY_S, *, must: bool = True
+    ) -> bool:
+        """Work until something is so; fails after the timeout."""
+        end = time.monotonic() + timeout
+        while not is_done():
+            if time.monotonic() > end:
+                assert not must, f"not so within {timeout} s"
+                return False
+            self._executor.spin_once(timeout_sec=0.02)
+        return True
+
+    def publisher(self, msg_type: type, topic: str, qos: Any, matched: int = 1) -> Any:
+        """Create a publisher and wait until that many subscriptions have found it."""
+        publisher = self.node.create_publisher(msg_type, topic, qos)
+        self.spin_until(lambda: publisher.get_subscription_count() >= matched)
+        return publisher
+
+    def publish_until(
+        self, publisher: Any, msg: Any, is_done: Callable[[], bool], timeout: float = DISCOVERY_S
+    ) -> None:
+        """Publish again and again: the first of a best-effort topic may find nobody yet."""
+        end = time.monotonic() + timeout
+        while not is_done():
+            assert time.monotonic() < end, f"not so within {timeout} s"
+            publisher.publish(msg)
+            self.spin_until(is_done, 0.1, must=False)
+
+    def collect(self, msg_type: type, topic: str, qos: Any) -> list[Any]:
+        """Return a list that fills with the messages of a topic."""
+        messages: list[Any] = []
+        self.node.create_subscription(msg_type, topic, messages.append, qos)
+        return messages
+
+    def close(self) -> None:
+        """Leave."""
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self.context.try_shutdown()
+
+
+@pytest.fixture
+def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Return a ROS domain of this test's own, set in the environment; discovery on this host."""
+    number = free_domain()
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("PYTHONUNBUFFERED", "1")
+    return number
+
+
+@pytest.fixture
+def start(domain: int) -> Iterator[Callable[..., NodeProcess]]:
+    """Return a function that starts `python SCRIPT_OR_-m_WORDS ...` as a process."""
+    started: list[NodeProcess] = []
+
+    def _start(*words: str | Path) -> NodeProcess:
+        started.append(NodeProcess([sys.executable, *map(str, words)], dict(os.environ)))
+        return started[-1]
+
+    yield _start
+    for process in started:
+        process.kill()
+
+
+@pytest.fixture
+def make_peer(domain: int) -> Iterator[Callable[..., Peer]]:
+    """Return a function that joins the graph under a node name."""
+    peers: list[Peer] = []
+
+    def _make(name: str = "test_peer") -> Peer:
+        peers.append(Peer(domain, name))
+        return peers[-1]
+
+    yield _make
+    for peer in peers:
+        peer.close()
+
+
+@pytest.fixture
+def peer(make_peer: Callable[..., Peer]) -> Peer:
+    """Return a node of the test's own in the graph."""
+    return make_peer()

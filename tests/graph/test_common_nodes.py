@@ -1,0 +1,253 @@
+"""floornav_common over real DDS: transforms, QoS, parameters, clocks, owners and exit codes."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import TransformStamped
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+
+NODES = Path(__file__).parent / "common_nodes.py"
+NodeProcess = Peer = Any  # of conftest.py
+Start = Callable[..., NodeProcess]
+BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+S = 1_000_000_000
+
+
+def time_of(stamp_ns: int) -> Time:
+    return Time(sec=stamp_ns // S, nanosec=stamp_ns % S)
+
+
+def scan_of(stamp_ns: int) -> LaserScan:
+    msg = LaserScan(angle_increment=0.1, ranges=[1.0, 2.0])
+    msg.header.stamp, msg.header.frame_id = time_of(stamp_ns), "laser"
+    return msg
+
+
+def tf_of(parent: str, child: str, stamp_ns: int, x: float) -> Any:
+    from tf2_msgs.msg import TFMessage
+
+    stamped = TransformStamped(child_frame_id=child)
+    stamped.header.stamp, stamped.header.frame_id = time_of(stamp_ns), parent
+    stamped.transform.translation.x = x
+    return TFMessage(transforms=[stamped])
+
+
+def statuses(arrays: list[DiagnosticArray], part: str) -> list[DiagnosticStatus]:
+    return [s for array in arrays for s in array.status if s.name.endswith(f": {part}")]
+
+
+class Robot:
+    """Driver and robot_state_publisher of a test: scans, odometry and the laser's place."""
+
+    def __init__(self, peer: Peer) -> None:
+        tf2_msgs = pytest.importorskip("tf2_msgs.msg")
+        self.peer = peer
+        self.statics = peer.publisher(tf2_msgs.TFMessage, "/tf_static", LATCHED)
+        self.tf = peer.publisher(tf2_msgs.TFMessage, "/tf", 10)
+        self.scans = peer.publisher(LaserScan, "/scan", 10)
+        self.statics.publish(tf_of("base_link", "laser", 0, 0.5))
+
+
+@pytest.fixture
+def echo(start: Start) -> NodeProcess:
+    node = start(NODES, "scan_echo")
+    node.wait_for("ready")
+    return node
+
+
+def test_scans_wait_for_their_late_transforms_and_come_in_stamp_order(
+    echo: NodeProcess, peer: Peer
+) -> None:
+    robot = Robot(peer)
+    robot.tf.publish(tf_of("odom", "base_link", 100 * S, 0.0))
+    robot.scans.publish(scan_of(100 * S + S // 2))
+    robot.scans.publish(scan_of(100 * S + S // 4))
+    peer.spin(0.2)
+    assert "scan 100" not in echo.text
+    robot.tf.publish(tf_of("odom", "base_link", 101 * S, 1.0))
+    echo.wait_for(f"scan {100 * S + S // 2} at x 1.000")
+    said = [line for line in echo.lines if line.startswith("scan 100")]
+    assert said[0] == f"scan {100 * S + S // 4} at x 0.750"
+
+
+def test_a_scan_without_transform_is_dropped_and_named(echo: NodeProcess, peer: Peer) -> None:
+    robot = Robot(peer)
+    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    robot.scans.publish(scan_of(100 * S))
+    line = echo.wait_for("dropped")
+    assert "/scan" in line and "'laser'" in line and "'odom'" in line
+    part = "transforms of /scan"
+    peer.spin_until(lambda: any(s.level == b"\x01" for s in statuses(arrays, part)))
+    bad = next(s for s in statuses(arrays, part) if s.level == b"\x01")
+    assert bad.name == "/scan_echo: transforms of /scan"
+    assert {v.key: v.value for v in bad.values}["dropped"] == "1"
+
+
+def test_remapped_tf_topics_are_heard(start: Start, peer: Peer) -> None:
+    tf2_msgs = pytest.importorskip("tf2_msgs.msg")
+    node = start(
+        NODES, "scan_echo", "--ros-args", "-r", "__ns:=/r2", "-r", "/tf:=tf",
+        "-r", "/tf_static:=tf_static",
+    )  # fmt: skip
+    node.wait_for("ready")
+    statics = peer.publisher(tf2_msgs.TFMessage, "/r2/tf_static", LATCHED)
+    tf = peer.publisher(tf2_msgs.TFMessage, "/r2/tf", 10)
+    scans = peer.publisher(LaserScan, "/r2/scan", 10)
+    statics.publish(tf_of("base_link", "laser", 0, 0.5))
+    tf.publish(tf_of("odom", "base_link", 100 * S, 2.0))
+    scans.publish(scan_of(100 * S))
+    node.wait_for("at x 2.500")
+
+
+def test_qos_mismatch_names_the_publisher_and_the_cure(start: Start, make_peer: Any) -> None:
+    node = start(NODES, "picky")
+    node.wait_for("ready")
+    driver = make_peer("old_driver")
+    driver.node.create_publisher(LaserScan, "/scan", BEST_EFFORT)
+    line = node.wait_for("/old_driver")
+    assert "/scan" in line and "reliability" in line
+    assert "-p qos_overrides./scan.subscription.reliability:=best_effort" in line
+
+
+def test_the_cure_for_a_qos_mismatch_works(start: Start, peer: Peer) -> None:
+    key = "qos_overrides./scan.subscription.reliability"
+    node = start(NODES, "picky", "--ros-args", "-p", f"{key}:=best_effort")
+    node.wait_for("ready")
+    scans = peer.publisher(LaserScan, "/scan", BEST_EFFORT)
+    peer.publish_until(scans, scan_of(1), lambda: "scan" in node.lines)
+
+
+def test_silent_input_is_stale_on_diagnostics(start: Start, peer: Peer) -> None:
+    node = start(NODES, "picky")
+    node.wait_for("ready")
+    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    peer.spin_until(lambda: any(s.level == b"\x03" for s in statuses(arrays, "input /scan")))
+    assert "nobody" in statuses(arrays, "input /scan")[-1].message
+    scans = peer.publisher(LaserScan, "/scan", 10)
+    for _ in range(5):
+        scans.publish(scan_of(1))
+        peer.spin(0.1)
+    peer.spin_until(lambda: any(s.level == b"\x00" for s in statuses(arrays, "input /scan")))
+    peer.spin_until(lambda: "/test_peer" in statuses(arrays, "input /scan")[-1].message, 5.0)
+    assert statuses(arrays, "input /scan")[-1].level == b"\x03"
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("gian:=1.0", "unknown parameter 'gian' (did you mean 'gain'?)"),
+        ("gain:=2", "parameter gain must be > 0, <= 1, got 2.0"),
+        ("count:=many", "parameter count must be an integer, got 'many'"),
+    ],
+)
+def test_bad_parameters_end_the_node_with_one_line(start: Start, given: str, said: str) -> None:
+    node = start(NODES, "tuned", "--ros-args", "-p", given)
+    assert node.wait_for_exit() == 2
+    assert [line for line in node.lines if not line.startswith("TunedConfig")] == [
+        f"/tuned: {said}"
+    ]
+
+
+def test_unknown_key_in_a_parameter_file_is_refused(start: Start, tmp_path: Path) -> None:
+    path = tmp_path / "tuned.yaml"
+    path.write_text("tuned:\n  ros__parameters:\n    gain: 1\n    tems: [a]\n")
+    node = start(NODES, "tuned", "--ros-args", "--params-file", path)
+    assert node.wait_for_exit() == 2
+    assert "unknown parameter 'tems'" in node.text
+
+
+def test_parameters_set_at_run_time_are_checked(start: Start, peer: Peer) -> None:
+    node = start(NODES, "tuned", "--ros-args", "-p", "gain:=1", "-p", "use_sim_time:=false")
+    node.wait_for("gain=1.0")
+    client = peer.node.create_client(SetParameters, "/tuned/set_parameters")
+    peer.spin_until(client.service_is_ready)
+
+    def set_to(name: str, value: Any) -> Any:
+        request = SetParameters.Request(
+            parameters=[Parameter(name, value=value).to_parameter_msg()]
+        )
+        future = client.call_async(request)
+        peer.spin_until(future.done)
+        return future.result().results[0]
+
+    assert set_to("gain", 0.25).successful
+    node.wait_for("changed to TunedConfig(gain=0.25")
+    assert "gain must be > 0, <= 1, got 0.0" in set_to("gain", 0).reason
+    assert not set_to("size", 11).successful
+    assert not set_to("name", "c").successful
+    assert set_to("team", ["/r1", "/r2"]).successful
+    node.wait_for("team=('/r1', '/r2')")
+    assert set_to("gain", 1).successful
+    node.wait_for("changed to TunedConfig(gain=1.0")
+
+
+def test_a_clock_that_stops_is_an_error_and_one_that_jumps_back_clears(
+    start: Start, peer: Peer
+) -> None:
+    node = start(NODES, "scan_echo", "--ros-args", "-p", "use_sim_time:=true")
+    node.wait_for("ready")
+    robot = Robot(peer)
+    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    clock = peer.publisher(Clock, "/clock", 10)
+    for _ in range(5):
+        clock.publish(Clock(clock=time_of(100 * S)))
+        peer.spin(0.1)
+    robot.tf.publish(tf_of("odom", "base_link", 100 * S, 1.0))
+    peer.spin(0.1)
+    robot.scans.publish(scan_of(100 * S))
+    node.wait_for("at x 1.500")
+    peer.spin_until(lambda: any(s.level == b"\x02" for s in statuses(arrays, "clock")), 5.0)
+    clock.publish(Clock(clock=time_of(10 * S)))
+    node.wait_for("jumped back")
+    robot.tf.publish(tf_of("odom", "base_link", 10 * S, 2.0))
+    robot.scans.publish(scan_of(10 * S))
+    node.wait_for("at x 2.500")
+
+
+def test_another_source_of_the_owned_transform_is_named_and_left_alone(
+    start: Start, make_peer: Any
+) -> None:
+    tf2_msgs = pytest.importorskip("tf2_msgs.msg")
+    node = start(NODES, "owner")
+    node.wait_for("sending")
+    amcl = make_peer("amcl")
+    tf = amcl.publisher(tf2_msgs.TFMessage, "/tf", 10)
+    tf.publish(tf_of("map", "odom", 5 * S, 1.0))
+    line = node.wait_for("also published by")
+    assert "/amcl" in line and "'map' to 'odom'" in line
+    node.wait_for("silent")
+    num_lines = len(node.lines)
+    amcl.node.destroy_publisher(tf)
+    amcl.spin_until(lambda: "sending" in node.lines[num_lines:], 10.0)
+
+
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+def test_signals_end_a_process_of_two_nodes_with_0(start: Start, sign: signal.Signals) -> None:
+    node = start(NODES, "both")
+    node.wait_for("[picky]: ready")
+    assert node.stop(sign) == 0
+    assert "Traceback" not in node.text
+
+
+def test_an_error_in_a_callback_ends_the_node_with_1(start: Start) -> None:
+    node = start(NODES, "broken")
+    assert node.wait_for_exit() == 1
+    assert "broken on purpose" in node.text
+
+
+def test_compose_names_what_there_is(start: Start) -> None:
+    node = start("-m", "floornav_common.compose", "grid_mapper/nix")
+    assert node.wait_for_exit() == 2
+    assert len(node.lines) == 1 and "no node 'grid_mapper/nix' is installed" in node.text
