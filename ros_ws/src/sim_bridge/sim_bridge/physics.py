@@ -6,6 +6,8 @@ and height and tilt are put back. A robot against a wall stands while its wheels
 
 from __future__ import annotations
 
+import ctypes
+import importlib.util
 import math
 import os
 import sys
@@ -189,6 +191,19 @@ def _floor() -> Solid:
     )
 
 
+def require_pybullet() -> None:
+    """Check that a world can be simulated here.
+
+    Raises:
+        PybulletMissingError: Pybullet is not installed.
+    """
+    if importlib.util.find_spec("pybullet") is None:
+        raise PybulletMissingError(
+            "sim_bridge needs pybullet, which has a ready wheel for Python 3.11 only: "
+            "use Python 3.11, or build it (see the README of sim_bridge)"
+        )
+
+
 def _import_quietly() -> Any:
     """Import pybullet without the line that its C code prints."""
     sys.stdout.flush()
@@ -197,6 +212,7 @@ def _import_quietly() -> Any:
     try:
         import pybullet
     finally:
+        ctypes.CDLL(None).fflush(None)
         os.dup2(kept, 1)
         os.close(kept)
         os.close(null)
@@ -204,13 +220,8 @@ def _import_quietly() -> Any:
 
 
 def _connect(has_window: bool) -> tuple[Any, int]:
-    try:
-        pybullet = _import_quietly()
-    except ImportError as error:
-        raise PybulletMissingError(
-            "sim_bridge needs pybullet, which has a ready wheel for Python 3.11 only: "
-            "use Python 3.11, or build it (see the README of sim_bridge)"
-        ) from error
+    require_pybullet()
+    pybullet = _import_quietly()
     client = pybullet.connect(pybullet.GUI if has_window else pybullet.DIRECT)
     if client < 0:
         raise RuntimeError("pybullet could not open its window: is there a display?")

@@ -1,0 +1,92 @@
+"""What the demo hears while it runs: one node of its own, beside the processes it started."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import OccupancyGrid, Odometry
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool
+
+from floornav_common.grid import OccupancyMap
+from floornav_common.ros.messages import grid_from_msg, pose_to_se2, stamp_to_ns
+from floornav_common.ros.qos import LATCHED_QOS, RELIABLE_QOS
+from floornav_common.se2 import SE2
+
+Track = list[tuple[int, SE2]]
+
+
+@dataclass
+class Heard:
+    """All that came so far.
+
+    Attributes:
+        truth: True poses in the world.
+        odometry: Dead reckoning in the odom frame.
+        estimate: The mapper's poses in the map frame.
+        num_scans: Scans the laser sent.
+        has_touched: True once the robot touched something.
+        grid: The newest map.
+        grid_ns: Its stamp.
+        path: Distance driven in truth, m.
+    """
+
+    truth: Track = field(default_factory=list)
+    odometry: Track = field(default_factory=list)
+    estimate: Track = field(default_factory=list)
+    num_scans: int = 0
+    has_touched: bool = False
+    grid: OccupancyMap | None = None
+    grid_ns: int = 0
+    path: float = 0.0
+
+    @property
+    def sim_s(self) -> float:
+        """Simulated time so far."""
+        return self.truth[-1][0] * 1e-9 if self.truth else 0.0
+
+
+class DemoWatch(Node):
+    """Fills a `Heard`."""
+
+    def __init__(self) -> None:
+        super().__init__("demo_watch")
+        self.heard = Heard()
+        deep = RELIABLE_QOS.__class__(depth=100, reliability=RELIABLE_QOS.reliability)
+        for msg_type, topic, callback, qos in (
+            (Odometry, "ground_truth/odom", self._on_truth, deep),
+            (Odometry, "odom", self._on_odom, deep),
+            (PoseWithCovarianceStamped, "pose", self._on_pose, deep),
+            (LaserScan, "scan", self._on_scan, deep),
+            (OccupancyGrid, "map", self._on_map, LATCHED_QOS),
+            (Bool, "ground_truth/contact", self._on_contact, LATCHED_QOS),
+        ):
+            self.create_subscription(msg_type, topic, callback, qos)
+
+    def _on_truth(self, msg: Any) -> None:
+        truth, pose = self.heard.truth, pose_to_se2(msg.pose.pose)
+        if truth:
+            last = truth[-1][1]
+            self.heard.path += math.hypot(pose.x - last.x, pose.y - last.y)
+        truth.append((stamp_to_ns(msg.header.stamp), pose))
+
+    def _on_odom(self, msg: Any) -> None:
+        self.heard.odometry.append((stamp_to_ns(msg.header.stamp), pose_to_se2(msg.pose.pose)))
+
+    def _on_pose(self, msg: Any) -> None:
+        self.heard.estimate.append((stamp_to_ns(msg.header.stamp), pose_to_se2(msg.pose.pose)))
+
+    def _on_scan(self, _: Any) -> None:
+        self.heard.num_scans += 1
+
+    def _on_map(self, msg: Any) -> None:
+        grid = grid_from_msg(msg)
+        self.heard.grid = OccupancyMap(grid.cells.copy(), grid.resolution, grid.origin)
+        self.heard.grid_ns = stamp_to_ns(msg.header.stamp)
+
+    def _on_contact(self, msg: Any) -> None:
+        self.heard.has_touched = self.heard.has_touched or bool(msg.data)

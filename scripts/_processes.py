@@ -1,0 +1,121 @@
+"""Child processes of a script: started with a log each, watched, ended as whole groups."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+
+class ChildDiedError(RuntimeError):
+    """A child ended that should not have; the text names it, its exit code and its last lines."""
+
+
+@dataclass
+class _Child:
+    process: subprocess.Popen[bytes]
+    log: Path
+
+
+class Processes:
+    """A set of named child processes; leaving the `with` block ends those still running.
+
+    Args:
+        log_dir: Folder for `<name>.log`.
+        environ: Their environment.
+    """
+
+    def __init__(self, log_dir: Path, environ: Mapping[str, str]) -> None:
+        self._log_dir = log_dir
+        self._environ = dict(environ)
+        self._children: dict[str, _Child] = {}
+        log_dir.mkdir(parents=True, exist_ok=True)
+
+    def __enter__(self) -> Processes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop_all()
+
+    def start(self, name: str, command: Sequence[str]) -> None:
+        """Start a child in a process group of its own, so that Ctrl-C reaches only the script."""
+        log = self._log_dir / f"{name}.log"
+        with log.open("wb") as output:
+            process = subprocess.Popen(
+                list(command),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=self._environ,
+                start_new_session=True,
+            )
+        self._children[name] = _Child(process, log)
+
+    def exit_code(self, name: str) -> int | None:
+        """Return the exit code of a child, None while it runs."""
+        return self._children[name].process.poll()
+
+    def check(self, may_end: Sequence[str] = ()) -> None:
+        """Look after all children.
+
+        Raises:
+            ChildDiedError: One ended, other than with 0 and named in `may_end`.
+        """
+        for name in self._children:
+            code = self.exit_code(name)
+            if code is not None and not (code == 0 and name in may_end):
+                ended = f"by signal {-code}" if code < 0 else f"with exit code {code}"
+                raise ChildDiedError(f"{name} ended {ended}; its last lines:\n{self.tail(name)}")
+
+    def wait_for_line(
+        self, name: str, text: str, timeout: float, while_waiting: Callable[[], None]
+    ) -> None:
+        """Wait until a child's log holds a text.
+
+        Raises:
+            ChildDiedError: It ended or did not say so in time (s).
+        """
+        end = time.monotonic() + timeout
+        log = self._children[name].log
+        while text not in log.read_text(errors="replace"):
+            self.check()
+            if time.monotonic() > end:
+                raise ChildDiedError(
+                    f"{name} was not ready in {timeout:.0f} s; its last lines:\n{self.tail(name)}"
+                )
+            while_waiting()
+
+    def tail(self, name: str, num_lines: int = 12) -> str:
+        """Return the last lines of a child's log."""
+        lines = self._children[name].log.read_text(errors="replace").splitlines()
+        return "\n".join(f"  {line}" for line in lines[-num_lines:]) or "  (no output)"
+
+    def stop(self, name: str, timeout: float = 5.0) -> None:
+        """End one child with all it started: SIGINT, then SIGTERM, then SIGKILL."""
+        process = self._children[name].process
+        for signum, patience in ((signal.SIGINT, timeout), (signal.SIGTERM, 2.0)):
+            if process.poll() is not None:
+                break
+            _signal_group(process.pid, signum)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(patience)
+        _signal_group(process.pid, signal.SIGKILL)
+        process.wait()
+
+    def stop_all(self) -> None:
+        """End every child; all are asked at once, so that this takes as long as the slowest."""
+        for child in self._children.values():
+            if child.process.poll() is None:
+                _signal_group(child.process.pid, signal.SIGINT)
+        for name in self._children:
+            self.stop(name)
+
+
+def _signal_group(pid: int, signum: int) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(pid, signum)
