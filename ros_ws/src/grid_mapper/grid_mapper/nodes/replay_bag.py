@@ -1,0 +1,238 @@
+"""Replay a bag over DDS: `replay.py BAG [--rate R] [--loop]`, with `/clock` in recorded time."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+from floornav_common.progress import Progress, say
+from floornav_common.reporting import UserError
+from grid_mapper.nodes.bag_player_node import CLOCK_TOPIC, BagPlayerNode
+from grid_mapper.nodes.bag_qos import load_overrides
+from grid_mapper.nodes.record_bag import stop_on_signal
+from grid_mapper.recordings.bag import Bag, Message
+from grid_mapper.recordings.events import RecordingError
+from grid_mapper.recordings.playback import (
+    PlayWindow,
+    latched_before,
+    messages_within,
+    play_window,
+)
+
+DEFAULT_CLOCK_HZ = 100.0
+LONGEST_SLEEP_S = 0.05
+SETTLE_S = 0.2
+
+
+class Stopped(Exception):  # noqa: N818, not an error
+    """Ctrl-C or SIGTERM came."""
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; return its exit code."""
+    args = make_parser().parse_args(argv)
+    should_stop = stop_on_signal()
+    try:
+        overrides = {} if args.qos is None else load_overrides(args.qos)
+        remap = dict(_remap_pair(text) for text in args.remap)
+        if not args.bag.exists():
+            raise RecordingError(f"{args.bag} does not exist")
+        bag = Bag(args.bag)
+    except (RecordingError, ValueError) as error:
+        raise UserError(str(error)) from error
+    with bag:
+        names = _chosen(bag, args)
+        try:
+            window = play_window(bag, args.start, args.duration)
+        except ValueError as error:
+            raise UserError(str(error)) from error
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        topics = [bag.topics[name] for name in names]
+        node = BagPlayerNode(topics, remap, overrides, args.clock > 0.0)
+        try:
+            return _play(node, bag, window, args, should_stop)
+        finally:
+            node.destroy_node()
+            rclpy.try_shutdown()
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    parser = argparse.ArgumentParser(prog="replay", description=__doc__)
+    add = parser.add_argument
+    add("bag", type=Path, metavar="BAG", help="rosbag2 folder or storage file")
+    add("--rate", type=_positive, default=1.0, metavar="R", help="speed (default: 1)")
+    add("--loop", action="store_true", help="start again at the end, until Ctrl-C")
+    add("--start", type=_not_negative, default=0.0, metavar="S", help="begin S seconds in")
+    add("--duration", type=_positive, metavar="S", help="play S seconds of the bag")
+    add("--topics", nargs="+", metavar="TOPIC", help="play only these")
+    add("--remap", nargs="+", default=[], metavar="A:=B", help="publish topic A as B")
+    add("--qos", type=Path, metavar="FILE", help="YAML, topic: {reliability: ..., depth: ...}")
+    add("--clock", type=_not_negative, default=DEFAULT_CLOCK_HZ, metavar="HZ",
+        help="rate of /clock in real time, 0 for none (default: %(default)g)")  # fmt: skip
+    add("--wait", type=_not_negative, default=2.0, metavar="S",
+        help="wait at most S seconds for subscribers (default: %(default)g)")  # fmt: skip
+    add("--quiet", action="store_true", help="print errors only")
+    return parser
+
+
+@dataclass
+class Pace:
+    """When recorded times are due: the start of the window is due at `began_s`."""
+
+    window: PlayWindow
+    rate: float
+    clock_hz: float
+    began_s: float
+
+    def due_s(self, recorded_ns: int) -> float:
+        """Return when a recorded time is due on the monotonic clock."""
+        return self.began_s + (recorded_ns - self.window.start_ns) * 1e-9 / self.rate
+
+    def recorded_ns(self, now_s: float) -> int:
+        """Return the recorded time that is due now."""
+        return self.window.start_ns + round((now_s - self.began_s) * self.rate * 1e9)
+
+    def wait_for(
+        self, recorded_ns: int, tick: Callable[[int], None], should_stop: Callable[[], bool]
+    ) -> None:
+        """Sleep until a recorded time is due, and let the clock tick meanwhile.
+
+        Raises:
+            Stopped: If asked to stop.
+        """
+        due_s = self.due_s(recorded_ns)
+        period_s = 1.0 / self.clock_hz if self.clock_hz > 0.0 else LONGEST_SLEEP_S
+        while not should_stop():
+            now_s = time.monotonic()
+            if now_s >= due_s:
+                return
+            num_ticks = int((now_s - self.began_s) / period_s) + 1
+            next_tick_s = self.began_s + num_ticks * period_s
+            time.sleep(max(0.0, min(due_s, next_tick_s, now_s + LONGEST_SLEEP_S) - now_s))
+            if time.monotonic() >= next_tick_s:
+                tick(min(self.recorded_ns(time.monotonic()), recorded_ns))
+        raise Stopped
+
+
+def _play(
+    node: BagPlayerNode,
+    bag: Bag,
+    window: PlayWindow,
+    args: argparse.Namespace,
+    should_stop: Callable[[], bool],
+) -> int:
+    for name, msgtype in node.unknown_types.items():
+        say(f"  passed over: {name} (no {msgtype} on this machine)", is_quiet=args.quiet)
+    if not node.playable:
+        raise UserError(f"{args.bag}: no topic that this machine knows the type of")
+    code = 0
+    try:
+        for message in latched_before(bag, node.playable, window.start_ns):
+            node.play(message)
+        _wait_for_subscribers(node, args.wait, should_stop)
+        _play_rounds(node, bag, window, args, should_stop)
+        node.wait_for_delivery()
+    except Stopped:
+        code = 0 if args.loop else 1
+        print("stopped", file=sys.stderr)
+    for problem in bag.problems:
+        print(f"error: {problem}", file=sys.stderr)
+    return 1 if bag.problems else code
+
+
+def _play_rounds(
+    node: BagPlayerNode,
+    bag: Bag,
+    window: PlayWindow,
+    args: argparse.Namespace,
+    should_stop: Callable[[], bool],
+) -> None:
+    length_s = (window.end_ns - window.start_ns) * 1e-9
+    with Progress("replaying", length_s, is_quiet=args.quiet) as progress:
+        while True:
+            pace = Pace(window, args.rate, args.clock, time.monotonic())
+            node.tick(window.start_ns)
+            num_played = 0
+            for message in _in_time(bag, node, pace, should_stop):
+                node.play(message)
+                num_played += 1
+                done_s = (message.recorded_ns - window.start_ns) * 1e-9
+                progress.update(done_s, f"{done_s:.1f} s, {num_played} messages")
+            pace.wait_for(window.end_ns, node.tick, should_stop)
+            node.tick(window.end_ns)
+            progress.update(length_s, f"{length_s:.1f} s, {num_played} messages", is_last=True)
+            if not args.loop:
+                return
+
+
+def _in_time(
+    bag: Bag, node: BagPlayerNode, pace: Pace, should_stop: Callable[[], bool]
+) -> Iterator[Message]:
+    """Yield each message when it is due."""
+    for message in messages_within(bag, node.playable, pace.window):
+        pace.wait_for(message.recorded_ns, node.tick, should_stop)
+        yield message
+
+
+def _wait_for_subscribers(
+    node: BagPlayerNode, longest_s: float, should_stop: Callable[[], bool]
+) -> None:
+    """Wait until all topics are heard, or half a second after one is, or long enough."""
+    end_s = time.monotonic() + longest_s
+    while time.monotonic() < end_s and not should_stop():
+        if node.num_heard == len(node.playable):
+            break
+        time.sleep(LONGEST_SLEEP_S)
+    if longest_s > 0.0:
+        time.sleep(SETTLE_S)
+    if should_stop():
+        raise Stopped
+
+
+def _chosen(bag: Bag, args: argparse.Namespace) -> list[str]:
+    """Return the topics to play.
+
+    Raises:
+        UserError: If one is not in the bag, there is none, or it is a ROS 1 bag.
+    """
+    if bag.is_ros1:
+        raise UserError(f"{args.bag} is a ROS 1 bag: convert it first (rosbags-convert)")
+    unknown = [name for name in args.topics or () if name not in bag.topics]
+    if unknown:
+        raise UserError(f"{args.bag} has no {', '.join(unknown)}; it has {', '.join(bag.topics)}")
+    names = [n for n in args.topics or bag.topics if bag.topics[n].num_messages > 0]
+    if args.clock > 0.0 and CLOCK_TOPIC in names:
+        say(f"  passed over: {CLOCK_TOPIC} of the bag, for ours", is_quiet=args.quiet)
+        names.remove(CLOCK_TOPIC)
+    if not names:
+        raise UserError(f"{args.bag} holds no messages to play")
+    return names
+
+
+def _remap_pair(text: str) -> tuple[str, str]:
+    before, separator, after = text.partition(":=")
+    if not (separator and before and after):
+        raise ValueError(f"--remap wants A:=B, got {text!r}")
+    return before, after
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f"must be > 0, got {value}")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = float(text)
+    if not value >= 0.0:
+        raise argparse.ArgumentTypeError(f"must be 0 or more, got {value}")
+    return value
