@@ -38,8 +38,8 @@ def nested_names(config_class: type, prefix: str = "") -> list[str]:
     """Return the names of all values of a configuration, those of its groups with a dot."""
     names: list[str] = []
     for name, hint in _typed_fields(config_class):
-        inner = nested_names(hint, f"{prefix}{name}.") if is_dataclass(hint) else [prefix + name]
-        names.extend(inner)
+        is_group = isinstance(hint, type) and is_dataclass(hint)
+        names.extend(nested_names(hint, f"{prefix}{name}.") if is_group else [prefix + name])
     return names
 
 
@@ -51,7 +51,7 @@ def nested_config(config_class: type[C], values: Mapping[str, Any], prefix: str 
     """
     own: dict[str, Any] = {}
     for name, hint in _typed_fields(config_class):
-        if is_dataclass(hint):
+        if isinstance(hint, type) and is_dataclass(hint):
             own[name] = nested_config(hint, values, f"{prefix}{name}.")
         elif prefix + name in values:
             own[name] = values[prefix + name]

@@ -79,7 +79,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--relations-tol", type=_not_negative, default=0.002, metavar="S",
         help="how far a relation's stamp may be from a pose (default: 0.002 s)")  # fmt: skip
     add("--relations-offset", type=float, default=0.0, metavar="S",
-        help="added to the trajectory's stamps before they are compared (default: 0 s)")  # fmt: skip
+        help="added to the trajectory's stamps to compare them (default: 0 s)")  # fmt: skip
     add("--gt", type=Path, metavar="TUM", help="ground truth for ATE and RPE")
     return parser
 
@@ -151,7 +151,8 @@ def _run(args: argparse.Namespace, recording: Recording, mapper: GridMapper) -> 
 
         def on_scan(run: MapRun) -> None:
             done = len(run.trajectory)
-            progress.update(done, f"{done} scans, {len(run.untrusted)} not trusted")
+            note = f"{done} scans, {len(run.untrusted)} not trusted"
+            progress.update(done, note, is_last=done == total)
 
         return run_mapper(recording, mapper, args.max_scans, on_scan)
 

@@ -18,9 +18,7 @@ SHADE_UNKNOWN, SHADE_FREE, SHADE_OCCUPIED = 0.82, 1.0, 0.05
 ROUND_LENGTHS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
 
 
-def draw_map(
-    occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], title: str
-) -> bytes:
+def draw_map(occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], title: str) -> bytes:
     """Return a PNG of a map with the robot's way, its ends marked, and a scale bar."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -91,4 +89,5 @@ def _draw_scale(axes: Any, left: float, bottom: float, width: float, height: flo
     length = fitting[-1] if fitting else ROUND_LENGTHS_M[0]
     x, y = left + 0.03 * width, bottom + 0.03 * height
     axes.plot([x, x + length], [y, y], color="black", linewidth=3)
-    axes.text(x, y + 0.012 * height, f"{length:g} m", fontsize=9)
+    backing = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+    axes.text(x, y + 0.015 * height, f"{length:g} m", fontsize=9, bbox=backing)

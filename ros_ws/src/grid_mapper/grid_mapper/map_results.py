@@ -193,9 +193,7 @@ def _relation_lines(s: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _sections(
-    out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun
-) -> list[Section]:
+def _sections(out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun) -> list[Section]:
     figures = Figures([
         ("scans used", f"{summary['scans_used']} of {summary['scans']}"),
         ("not trusted", str(summary["scans_untrusted"])),

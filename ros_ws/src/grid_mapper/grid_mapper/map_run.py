@@ -20,7 +20,7 @@ class ScanOutcome(Protocol):
     """What the run needs of a mapper's answer to a scan."""
 
     @property
-    def T_map_base(self) -> SE2:
+    def T_map_base(self) -> SE2:  # noqa: N802, frames rule of the transforms
         """Pose of the robot at the scan's stamp."""
         ...
 
@@ -99,9 +99,7 @@ def run_mapper(
 
 def _insert(run: MapRun, mapper: ScanMapper, event: ScanEvent) -> None:
     started = time.perf_counter()
-    result = mapper.insert_scan(
-        event.stamp_ns, event.scan, event.T_base_laser, event.T_odom_base
-    )
+    result = mapper.insert_scan(event.stamp_ns, event.scan, event.T_base_laser, event.T_odom_base)
     run.scan_ms.append(1e3 * (time.perf_counter() - started))
     run.trajectory.append((event.stamp_ns, result.T_map_base))
     if not result.is_trusted:

@@ -41,8 +41,8 @@ def format_tum(trajectory: Trajectory) -> str:
     lines = []
     for stamp_ns, pose in trajectory:
         half = 0.5 * pose.yaw
-        seconds, ns = divmod(stamp_ns, 1_000_000_000)
-        sign, seconds, ns = ("-", -seconds - 1, 10**9 - ns) if seconds < 0 < ns else ("", seconds, ns)
+        sign = "-" if stamp_ns < 0 else ""
+        seconds, ns = divmod(abs(stamp_ns), 1_000_000_000)
         quat = f"{float(np.sin(half))!r} {float(np.cos(half))!r}"
         lines.append(f"{sign}{seconds}.{ns:09d} {pose.x!r} {pose.y!r} 0.0 0.0 0.0 {quat}\n")
     return "".join(lines)
@@ -122,9 +122,7 @@ def path_length(trajectory: Trajectory) -> float:
     return float(sum(a.between(b).distance for (_, a), (_, b) in pairs))
 
 
-def _matched(
-    estimate: Trajectory, truth: Trajectory, tolerance_ns: int
-) -> list[tuple[SE2, SE2]]:
+def _matched(estimate: Trajectory, truth: Trajectory, tolerance_ns: int) -> list[tuple[SE2, SE2]]:
     ordered = sorted(truth, key=lambda stamped: stamped[0])
     stamps = np.array([stamp_ns for stamp_ns, _ in ordered], dtype=np.int64)
     pairs: list[tuple[SE2, SE2]] = []

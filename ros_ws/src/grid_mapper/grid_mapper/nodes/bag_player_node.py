@@ -54,7 +54,9 @@ class BagPlayerNode(Node):
             profile = overridden(profile, overrides.get(topic.name, {}), topic.name)
             name = remap.get(topic.name, topic.name)
             self._publishers_by_topic[topic.name] = self.create_publisher(found, name, profile)
-        self._clock_pub = self.create_publisher(Clock, CLOCK_TOPIC, CLOCK_QOS) if has_clock else None
+        self._clock_pub = (
+            self.create_publisher(Clock, CLOCK_TOPIC, CLOCK_QOS) if has_clock else None
+        )
 
     @property
     def playable(self) -> list[str]:

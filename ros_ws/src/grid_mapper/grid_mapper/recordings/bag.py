@@ -25,8 +25,8 @@ from grid_mapper.recordings.bag_files import (
     unpacked_message,
 )
 from grid_mapper.recordings.bag_metadata import metadata_qos
-from grid_mapper.recordings.bag_types import BagTypes
 from grid_mapper.recordings.bag_salvage import salvage_reader
+from grid_mapper.recordings.bag_types import BagTypes
 from grid_mapper.recordings.events import RecordingError
 
 STORAGE_ERRORS = (
@@ -169,15 +169,25 @@ class Bag:
     def _open(self, path: Path) -> Storage | None:
         """Open one storage file, or what can be saved of it; None if that is nothing."""
         try:
-            return self._opened(_reader_of(path))
+            reader = self._opened(_reader_of(path))
+            # Without an index rosbags refuses messages that are out of order: read those ourselves.
+            has_no_index = (
+                isinstance(reader, McapReader) and reader.connections and not reader.chunks
+            )
+            return salvage_reader(path) if has_no_index else reader
         except STORAGE_ERRORS as error:
             reason = " ".join(str(error).split())
-        self._note(f"{self.path.name} was not closed properly or is cut off ({reason})")
+        name = self.path.name
         try:
-            return self._opened(salvage_reader(path))
+            salvaged = salvage_reader(path)
         except STORAGE_ERRORS as error:
-            self._note(f"nothing in {path.name} can be read: {error}")
+            self._note(f"nothing in {name} can be read ({reason}; {error})")
             return None
+        self._note(
+            f"{name} was not closed properly or is cut off ({reason}): {len(salvaged)} messages"
+            f" are read, the last recorded at {(salvaged.metadata.end_time - 1) * 1e-9:.3f} s"
+        )
+        return salvaged
 
     def _opened(self, reader: Any) -> Storage:
         reader.open()
@@ -203,6 +213,11 @@ def _reader_of(path: Path) -> Any:
     if magic.startswith(ROS1_MAGIC):
         return Ros1Reader(path)
     return McapReader(path) if magic.startswith(MCAP_MAGIC) else Sqlite3Reader(path)
+
+
+def _has_no_index(reader: Any) -> bool:
+    """Tell of an mcap file that rosbags reads only if its messages are in order."""
+    return isinstance(reader, McapReader) and bool(reader.connections) and not reader.chunks
 
 
 def _start_ns(storage: Any) -> int:

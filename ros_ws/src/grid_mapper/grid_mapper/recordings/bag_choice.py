@@ -7,8 +7,8 @@ from typing import Any
 
 from floornav_common.transform_buffer import clean_frame
 from grid_mapper.recordings.bag import Bag
-from grid_mapper.recordings.bag_types import ODOM_TYPE, RANGE_TYPE, SCAN_TYPE, TF_TYPE
 from grid_mapper.recordings.bag_messages import StampedTransform, transforms_from
+from grid_mapper.recordings.bag_types import ODOM_TYPE, RANGE_TYPE, SCAN_TYPE, TF_TYPE
 from grid_mapper.recordings.events import RecordingError, RecordingOptions
 
 SCAN_NAME = "scan"

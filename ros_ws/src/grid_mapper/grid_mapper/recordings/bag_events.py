@@ -144,8 +144,8 @@ class Lockstep:
         if not self._options.use_odom:
             return None
         if self._choice.odom_frame is not None:
-            choice = self._choice
-            return self._buffer.lookup(self._choice.odom_frame, choice.base_frame, stamp_ns).to_se2()
+            frames = (self._choice.odom_frame, self._choice.base_frame)
+            return self._buffer.lookup(*frames, stamp_ns).to_se2()
         oldest_ns = self._odom.oldest_ns()
         if oldest_ns is not None and stamp_ns < oldest_ns:
             raise NeverCoveredError

@@ -75,4 +75,3 @@ def _unpacked(path: Path, stack: ExitStack) -> Path:
 def unpacked_message(data: bytes) -> bytes:
     """Return a message unpacked if it was compressed on its own (CDR never starts like that)."""
     return zstd.decompress(data) if data[:4] == ZSTD_MAGIC else data
-

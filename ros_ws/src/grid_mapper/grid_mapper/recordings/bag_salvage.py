@@ -1,17 +1,120 @@
-"""Readers for storage files that were cut off; they go through a file from its start."""
+"""Readers for storage files that were cut off or never closed: they go through from the start.
+
+They offer what rosbags' own readers do (`connections`, `messages`, start and end), at the cost of
+reading the file once more, and end where it can no longer be read.
+"""
 
 from __future__ import annotations
 
+import sqlite3
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
+from rosbags.interfaces import (
+    Connection,
+    ConnectionExtRosbag2,
+    MessageDefinition,
+    MessageDefinitionFormat,
+)
 from rosbags.rosbag2.errors import ReaderError
+from rosbags.rosbag2.metadata import parse_qos
+
+from grid_mapper.recordings.bag_files import MCAP_MAGIC, ROS1_MAGIC, magic_of
+from grid_mapper.recordings.mcap_scan import scan_mcap
+from grid_mapper.recordings.ros1_scan import scan_ros1
+
+Record = tuple[int, int, bytes]
+"""Connection id, recorded time (ns), bytes."""
 
 
-def salvage_reader(path: Path) -> Any:
+class Span(NamedTuple):
+    """First recorded time and the one behind the last, ns; as rosbags' readers have it."""
+
+    start_time: int
+    end_time: int
+
+
+class SalvageReader:
+    """What can be read of a damaged file, in recorded order.
+
+    Args:
+        connections: Its topics; filled while records are read.
+        records: All that can be read, once; kept in memory.
+    """
+
+    def __init__(self, connections: list[Connection], records: Iterable[Record]) -> None:
+        """Read everything that can be read."""
+        self._records = sorted(records, key=lambda record: record[1])
+        if not self._records:
+            raise ReaderError("no complete message in it")
+        counts: dict[int, int] = {}
+        for connection_id, _, _ in self._records:
+            counts[connection_id] = counts.get(connection_id, 0) + 1
+        self.connections = [c._replace(msgcount=counts.get(c.id, 0)) for c in connections]
+        self.metadata = Span(self._records[0][1], self._records[-1][1] + 1)
+
+    def __len__(self) -> int:
+        """Return how many messages can be read."""
+        return len(self._records)
+
+    def messages(
+        self,
+        connections: Collection[Connection],
+        start: int | None = None,
+        stop: int | None = None,
+    ) -> Iterator[tuple[Connection, int, bytes]]:
+        """Yield the messages of some connections recorded from `start` to before `stop`, ns."""
+        wanted = {connection.id: connection for connection in connections}
+        for connection_id, recorded_ns, data in self._records:
+            is_inside = (start is None or recorded_ns >= start) and (
+                stop is None or recorded_ns < stop
+            )
+            if is_inside and connection_id in wanted:
+                yield wanted[connection_id], recorded_ns, data
+
+
+def salvage_reader(path: Path) -> SalvageReader:
     """Return a reader for a damaged file.
 
     Raises:
-        ReaderError: If nothing is known to help.
+        ReaderError: If not one message can be read.
     """
-    raise ReaderError(f"{path.name} is damaged")
+    magic = magic_of(path)
+    connections: list[Connection] = []
+    if magic.startswith(MCAP_MAGIC):
+        records: Iterable[Record] = scan_mcap(path, connections)
+    elif magic.startswith(ROS1_MAGIC):
+        records = scan_ros1(path, connections)
+    else:
+        records = scan_sqlite3(path, connections)
+    return SalvageReader(connections, records)
+
+
+def scan_sqlite3(path: Path, connections: list[Connection]) -> Iterator[Record]:
+    """Yield the rows of a cut-off rosbag2 database until one cannot be read.
+
+    `writable_schema` makes sqlite open a file that is shorter than its header says.
+    """
+    database = sqlite3.connect(f"file:{path}?mode=ro&immutable=1", uri=True)
+    try:
+        database.execute("PRAGMA writable_schema=ON")
+        columns = [row[1] for row in database.execute("PRAGMA table_info(topics)")]
+        qos_column = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
+        rows = database.execute(f"SELECT id, name, type, {qos_column} FROM topics")
+        connections.extend(_connection(*row) for row in rows)
+        query = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
+        for topic_id, recorded_ns, data in database.execute(query):
+            if not (isinstance(recorded_ns, int) and isinstance(data, bytes)):
+                return  # a page behind the end of the file reads as zeros
+            yield topic_id, recorded_ns, data
+    except sqlite3.Error:
+        return
+    finally:
+        database.close()
+
+
+def _connection(topic_id: int, name: str, msgtype: str, qos: str) -> Connection:
+    definition = MessageDefinition(MessageDefinitionFormat.NONE, "")
+    ext = ConnectionExtRosbag2("cdr", parse_qos(qos))
+    return Connection(topic_id, name, msgtype, definition, "", 0, ext, None)

@@ -37,6 +37,8 @@ def open_recording(path: str | Path, options: RecordingOptions | None = None) ->
     options = options if options is not None else RecordingOptions()
     if not path.exists():
         raise RecordingError(f"{path} does not exist")
+    if path.is_file() and path.stat().st_size == 0:
+        raise RecordingError(f"{path} is empty")
     if is_bag(path):
         return open_bag_recording(path, options)
     lines = _first_lines(path)

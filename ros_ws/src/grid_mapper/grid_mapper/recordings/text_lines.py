@@ -36,7 +36,8 @@ def read_lines(path: Path, on_problem: Callable[[str], None]) -> Iterator[str]:
     number = 0
     with gzip.open(path, "rb") if is_gzip else path.open("rb") as stream:
         try:
-            for number, line in enumerate(stream, start=1):
+            for line in stream:
+                number += 1
                 yield line.decode("utf-8", errors="replace").rstrip("\r\n")
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             on_problem(f"{path.name} is cut off or damaged after line {number}: {error}")
