@@ -1,4 +1,4 @@
-"""Small nodes on floornav_common that the graph tests start: `common_nodes.py NAME [--ros-args]`."""
+"""Small nodes on floornav_common for the graph tests: `common_nodes.py NAME [--ros-args]`."""
 
 from __future__ import annotations
 

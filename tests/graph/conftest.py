@@ -83,6 +83,9 @@ class NodeProcess:
         if self.process.poll() is None:
             self.process.kill()
             self.process.wait(5.0)
+        self._reader.join(1.0)
+        assert self.process.stdout is not None
+        self.process.stdout.close()
 
     def _read(self) -> None:
         assert self.process.stdout is not None

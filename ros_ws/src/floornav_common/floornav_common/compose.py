@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import inspect
 import sys
 from importlib.metadata import EntryPoint, entry_points
-from types import ModuleType
 from typing import Any
 
 PACKAGES = (
@@ -63,20 +61,13 @@ def find_node_class(name: str) -> Any:
     if name not in installed:
         there = ", ".join(sorted(installed)) or "none"
         raise ValueError(f"no node '{name}' is installed; there are: {there}")
+    from floornav_common.ros.main import node_classes
+
     module = importlib.import_module(installed[name].module)
     classes = node_classes(module)
     if len(classes) != 1:
         raise ValueError(f"'{name}' must define one node class, it defines {len(classes)}")
     return classes[0]
-
-
-def node_classes(module: ModuleType) -> list[Any]:
-    """Return the rclpy nodes that a module itself defines."""
-    from rclpy.node import Node
-
-    classes = vars(module).values()
-    own = [c for c in classes if inspect.isclass(c) and c.__module__ == module.__name__]
-    return [c for c in own if issubclass(c, Node)]
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from types import ModuleType
 
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException
@@ -51,6 +53,12 @@ def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | No
             node.destroy_node()
         rclpy.try_shutdown()
     return EXIT_OK
+
+
+def node_classes(module: ModuleType) -> list[type[Node]]:
+    """Return the nodes that a module itself defines."""
+    own = [c for c in vars(module).values() if inspect.isclass(c)]
+    return [c for c in own if c.__module__ == module.__name__ and issubclass(c, Node)]
 
 
 def _is_stopping(nodes: Sequence[Node]) -> bool:

@@ -110,21 +110,12 @@ def _watch(
     prefix: str,
     on_change: Callable[[C], None] | None,
 ) -> None:
-    hints = typing.get_type_hints(type(config))
     current = config
 
     def changed(parameters: list[Parameter]) -> C:
         values = {names[p.name]: p.value for p in parameters if p.name in names}
         kept = {f.name: getattr(current, f.name) for f in fields(current)}  # type: ignore[arg-type]
         return config_files.config_from_mapping(type(current), {**kept, **values}, prefix)
-
-    def numbers_as_declared(parameters: list[Parameter]) -> list[Parameter]:
-        return [
-            Parameter(p.name, Parameter.Type.DOUBLE, float(p.value))
-            if p.type_ == Parameter.Type.INTEGER and hints.get(names.get(p.name, "")) is float
-            else p
-            for p in parameters
-        ]
 
     def check(parameters: list[Parameter]) -> SetParametersResult:
         try:
@@ -140,6 +131,24 @@ def _watch(
             if on_change is not None:
                 on_change(current)
 
-    node.add_pre_set_parameters_callback(numbers_as_declared)
+    _take_integers_for_floats(node)
     node.add_on_set_parameters_callback(check)
     node.add_post_set_parameters_callback(apply)
+
+
+def _take_integers_for_floats(node: Node) -> None:
+    """Let `ros2 param set NODE gain 1` do for 1.0; rclpy would refuse the type.
+
+    Once a node: of several pre-set callbacks rclpy strings the answers together.
+    """
+
+    def as_declared(parameter: Parameter) -> Parameter:
+        is_integer = parameter.type_ == Parameter.Type.INTEGER
+        if not is_integer or not node.has_parameter(parameter.name):
+            return parameter
+        if node.describe_parameter(parameter.name).type != Parameter.Type.DOUBLE.value:
+            return parameter
+        return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
+
+    if not node._pre_set_parameters_callbacks:
+        node.add_pre_set_parameters_callback(lambda parameters: [as_declared(p) for p in parameters])
