@@ -172,7 +172,7 @@ def _draw_tracks(axes: Any, heard: Heard, start: SE2) -> None:
     ):
         if track:
             points = np.array([(pose.x, pose.y) for _, pose in track])
-            axes.plot(*points.T, color=color, ls=style, lw=width, label=name, solid_capstyle="round")
+            axes.plot(*points.T, color=color, ls=style, lw=width, label=name)
     axes.plot(start.x, start.y, "o", ms=9, color=_TRUE, mec="white", label="start")
 
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +17,7 @@ from _environment import ensure_environment
 if __name__ == "__main__":
     ensure_environment(needs="node")
 
-import numpy as np
-
-from _processes import ChildDiedError, Processes
 from floornav_common.reporting import (
-    Progress,
     UserError,
     add_common_options,
     open_out_dir,
@@ -31,27 +25,16 @@ from floornav_common.reporting import (
     say,
     summary,
 )
-from floornav_common.se2 import SE2
 from sim_bridge.physics import PybulletMissingError, require_pybullet
-from sim_bridge.robot_model import load_robot
 from sim_bridge.schema import WorldError
-from sim_bridge.solids import solids_of
-from sim_bridge.world import World, load_world, world_names
+from sim_bridge.world import load_world, world_names
 
-_SCRIPTS = Path(__file__).resolve().parent
-_RECORDED = (
-    "/scan", "/odom", "/tf", "/tf_static", "/pose", "/map", "/cmd_vel", "/robot_description",
-    "/ground_truth/odom", "/ground_truth/contact",
-)  # fmt: skip
 _KEYS = (
     "world", "sim_s", "rtf", "path_m", "scans", "scans_used", "ate_m", "final_error_m",
     "final_yaw_error_deg", "odometry_ate_m", "odometry_final_error_m",
     "odometry_final_yaw_error_deg", "map_error_m", "map_error_p95_m", "occupied_cells", "touched",
     "bag",
 )  # fmt: skip
-_START_TIMEOUT_S = 180.0
-_STALL_S = 20.0
-_LONGEST_S = 300.0
 
 
 def main() -> int:
@@ -71,201 +54,18 @@ def main() -> int:
     out = open_out_dir("demo", world.name, args.out)
     values: dict[str, Any] = dict.fromkeys(_KEYS)
     values["world"] = world.name
+    from _demo_run import Demo
+
     demo = Demo(world, args, out, has_window)
     with summary(out, command="demo", seed=args.seed, values=values) as filled:
         try:
             demo.run()
         finally:
             filled.update(demo.results())
-            filled["ok"] = not demo.problem
+            filled.update(ok=not demo.problem, partial=bool(demo.problem))
             demo.write(filled)
     _print_result(out, filled, demo.problem, is_quiet=args.quiet)
     return 1 if demo.problem else 0
-
-
-class Demo:
-    """One run: its processes, what was heard, and what became of it.
-
-    Args:
-        world: The world, with a route and one robot.
-        args: The command line.
-        out: The result folder.
-        has_window: True shows pybullet's window.
-    """
-
-    def __init__(
-        self, world: World, args: argparse.Namespace, out: Path, has_window: bool
-    ) -> None:
-        from _demo_watch import Heard
-
-        assert world.route is not None
-        self.problem = "stopped before the end"
-        self._world, self._args, self._out, self._has_window = world, args, out, has_window
-        self._route = world.route
-        self._start = world.robots[0].pose
-        self._heard = Heard()
-        self._wall_s = 0.0
-
-    def run(self) -> None:
-        """Start everything, watch until the end of the route, stop everything."""
-        import rclpy
-        from rclpy.signals import SignalHandlerOptions
-
-        from _demo_watch import DemoWatch
-
-        os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        watch = DemoWatch()
-        self._heard = watch.heard
-
-        def spin() -> None:
-            rclpy.spin_once(watch, timeout_sec=0.05)
-
-        try:
-            with Processes(self._out / "logs", os.environ) as children:
-                self._drive(children, spin)
-            self.problem = "the robot touched something" if self._heard.has_touched else ""
-        except ChildDiedError as error:
-            self.problem = str(error)
-        finally:
-            watch.destroy_node()
-            rclpy.try_shutdown()
-
-    def results(self) -> dict[str, Any]:
-        """Return this run's keys of the summary."""
-        from _demo_report import figures
-
-        surfaces = [s for s in solids_of(self._world) if s.is_at_height(self._laser_height())]
-        found = figures(self._heard, self._start, surfaces, self._wall_s)
-        bag = self._out / "bag"
-        is_there = bag.is_dir() and any(bag.iterdir())
-        return {
-            **found,
-            "touched": self._heard.has_touched,
-            "bag": "bag" if is_there else None,
-            **({"problem": self.problem} if self.problem else {}),
-        }
-
-    def write(self, values: dict[str, Any]) -> None:
-        """Write trajectories, pictures and the page."""
-        from _demo_report import in_world, write_pictures, write_report, write_tum
-
-        write_tum(self._out / "trajectory.tum", in_world(self._heard.estimate, self._start))
-        write_tum(self._out / "ground_truth.tum", self._heard.truth)
-        solids = solids_of(self._world)
-        write_pictures(self._out, self._heard, self._start, solids, self._laser_height())
-        title = f"floornav demo: {self._world.description or self._world.name}"
-        write_report(self._out, title, values, self.problem)
-
-    def _drive(self, children: Processes, spin: Callable[[], None]) -> None:
-        # The simulator comes last: its time begins when all others are there to hear it.
-        say("starting grid_mapper, route_follower, recorder ...", is_quiet=self._args.quiet)
-        for name, command in self._commands().items():
-            if name != "sim_bridge":
-                children.start(name, command)
-        for name in ("grid_mapper", "route_follower"):
-            children.wait_for_line(name, "ready", _START_TIMEOUT_S, spin)
-        children.start("sim_bridge", self._commands()["sim_bridge"])
-        children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
-        self._watch(children, spin)
-        # The last map and the last scans are still under way.
-        end = time.monotonic() + 2.0
-        while time.monotonic() < end:
-            spin()
-
-    def _watch(self, children: Processes, spin: Callable[[], None]) -> None:
-        started = time.monotonic()
-        heard, total = self._heard, self._args.duration
-        time_moves, poses_come = Liveness("simulated time"), Liveness("grid_mapper's pose")
-        with Progress("demo", 100.0, is_quiet=self._args.quiet) as bar:
-            while children.exit_code("route_follower") is None:
-                spin()
-                now = time.monotonic()
-                self._wall_s = now - started
-                children.check(may_end=("route_follower",))
-                time_moves.look(now, heard.sim_s)
-                poses_come.look(now, len(heard.estimate))
-                bar.update(self._percent(), _note(heard))
-                if heard.has_touched or heard.sim_s >= (total or _LONGEST_S):
-                    break
-            bar.update(self._percent(), _note(heard), is_last=True)
-        children.check(may_end=("route_follower",))
-        if total is None and heard.sim_s >= _LONGEST_S:
-            raise ChildDiedError(f"the route was not driven in {_LONGEST_S:.0f} simulated seconds")
-
-    def _percent(self) -> float:
-        points = np.array(self._route.waypoints_m)
-        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
-        share = self._heard.path / length
-        if self._args.duration is not None:
-            share = max(share, self._heard.sim_s / self._args.duration)
-        return 100.0 * min(share, 1.0)
-
-    def _laser_height(self) -> float:
-        model = load_robot(self._world.robots[0])
-        assert model.config.laser is not None
-        return float(model.mounts[model.config.laser.frame][2, 3])
-
-    def _commands(self) -> dict[str, list[str]]:
-        route = self._start.inverse() @ np.array(self._route.waypoints_m)
-        numbers = ", ".join(f"{value:.4f}" for value in route.ravel())
-        commands = {
-            "grid_mapper": _node("grid_mapper.nodes.grid_mapper_node", use_sim_time="true"),
-            "route_follower": _node(
-                "sim_bridge.nodes.route_follower_node",
-                use_sim_time="true",
-                route_m=f"[{numbers}]",
-                speed_m_s=str(self._route.speed_m_s),
-            ),
-            "sim_bridge": _node(
-                "sim_bridge.nodes.sim_bridge_node",
-                world=str(self._args.world),
-                seed=str(self._args.seed),
-                real_time_factor=str(float(self._args.rtf)),
-                view=str(self._has_window).lower(),
-            ),
-        }
-        record = _SCRIPTS / "record.py"
-        if record.exists():
-            out = str(self._out / "bag")
-            commands["record"] = [sys.executable, str(record), *_RECORDED, "--out", out]
-        return commands
-
-
-class Liveness:
-    """Raises once a number that should grow has stood still for too long.
-
-    Args:
-        what: Name of what should go on, for the error.
-    """
-
-    def __init__(self, what: str) -> None:
-        self._what = what
-        self._value: float | None = None
-        self._since = 0.0
-
-    def look(self, now: float, value: float) -> None:
-        """Take in the number at a time (s).
-
-        Raises:
-            ChildDiedError: It stood still for `_STALL_S`.
-        """
-        if value != self._value:
-            self._value, self._since = value, now
-        elif now - self._since > _STALL_S:
-            raise ChildDiedError(f"{self._what} stood still for {_STALL_S:.0f} s; see logs/")
-
-
-def _node(module: str, **parameters: str) -> list[str]:
-    given = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
-    return [sys.executable, "-m", module, "--ros-args", *given]
-
-
-def _note(heard: Any) -> str:
-    return (
-        f"{heard.sim_s:5.1f} s simulated, {heard.path:5.1f} m driven, "
-        f"{len(heard.estimate)} scans mapped"
-    )
 
 
 def _print_result(out: Path, values: dict[str, Any], problem: str, *, is_quiet: bool) -> None:

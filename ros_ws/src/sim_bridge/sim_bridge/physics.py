@@ -6,7 +6,6 @@ and height and tilt are put back. A robot against a wall stands while its wheels
 
 from __future__ import annotations
 
-import ctypes
 import importlib.util
 import math
 import os
@@ -186,9 +185,7 @@ class Physics:
 
 def _floor() -> Solid:
     edge = 2.0 * _FLOOR_HALF_EDGE
-    return Solid(
-        "floor", SE2.identity(), (edge, edge, 0.1), -0.1, False, (0.62, 0.60, 0.56), 0.0
-    )
+    return Solid("floor", SE2.identity(), (edge, edge, 0.1), -0.1, False, (0.62, 0.60, 0.56), 0.0)
 
 
 def require_pybullet() -> None:
@@ -205,15 +202,14 @@ def require_pybullet() -> None:
 
 
 def _import_quietly() -> Any:
-    """Import pybullet without the line that its C code prints."""
-    sys.stdout.flush()
-    kept, null = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(null, 1)
+    """Import pybullet without the line that its C code writes to stderr."""
+    sys.stderr.flush()
+    kept, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 2)
     try:
         import pybullet
     finally:
-        ctypes.CDLL(None).fflush(None)
-        os.dup2(kept, 1)
+        os.dup2(kept, 2)
         os.close(kept)
         os.close(null)
     return pybullet

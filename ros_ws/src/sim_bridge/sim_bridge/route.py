@@ -17,6 +17,7 @@ _SAMPLE = 0.02
 _WINDOW = 0.6
 _ARRIVED = 0.1
 _SLOW_DOWN = 0.8
+_TURNS_BACK = 2.3
 
 
 class RouteFollower:
@@ -29,26 +30,28 @@ class RouteFollower:
     def __init__(self, config: RouteConfig) -> None:
         """Start at the first waypoint."""
         self._config = config
-        self._points = _resampled(np.reshape(config.route_m, (-1, 2)))
+        self._legs = [_resampled(leg) for leg in _legs(np.reshape(config.route_m, (-1, 2)))]
         self._index = 0
-
-    @property
-    def share_done(self) -> float:
-        """How much of the route is behind, 0..1."""
-        return self._index / max(len(self._points) - 1, 1)
 
     def step(self, pose: SE2) -> Velocity | None:
         """Return the command at a pose in the route's frame; None at the end."""
         here = np.array([pose.x, pose.y])
-        window = self._points[self._index : self._index + round(_WINDOW / _SAMPLE)]
-        self._index += int(np.argmin(np.hypot(*(window - here).T)))
-        to_end = float(np.hypot(*(self._points[-1] - here)))
-        left = (len(self._points) - 1 - self._index) * _SAMPLE
-        if left < _WINDOW and to_end < _ARRIVED:
+        while self._legs and self._is_at_end(here):
+            self._legs, self._index = self._legs[1:], 0
+        if not self._legs:
             return None
+        points = self._legs[0]
         ahead = self._index + round(self._config.lookahead_m / _SAMPLE)
-        target = self._points[min(ahead, len(self._points) - 1)]
-        return self._steer(pose, target, max(left, to_end))
+        target = points[min(ahead, len(points) - 1)]
+        return self._steer(pose, target, float(np.hypot(*(points[-1] - here))))
+
+    def _is_at_end(self, here: np.ndarray) -> bool:
+        # Only a window ahead is searched, so that a crossing is not taken for a short cut.
+        points = self._legs[0]
+        window = points[self._index : self._index + round(_WINDOW / _SAMPLE)]
+        self._index += int(np.argmin(np.hypot(*(window - here).T)))
+        left = (len(points) - 1 - self._index) * _SAMPLE
+        return left < _WINDOW and float(np.hypot(*(points[-1] - here))) < _ARRIVED
 
     def _steer(self, pose: SE2, target: np.ndarray, left: float) -> Velocity:
         config = self._config
@@ -60,11 +63,19 @@ class RouteFollower:
             return STOP
         if abs(error) > config.turn_on_spot_rad:
             return Velocity(0.0, math.copysign(min(limit, 2.0 * abs(error)), error))
-        speed = config.speed_m_s * math.cos(error) * min(1.0, 0.15 + left / _SLOW_DOWN)
+        speed = config.speed_m_s * math.cos(error) * min(1.0, 0.1 + left / _SLOW_DOWN)
         curvature = 2.0 * math.sin(error) / distance
         if abs(curvature) * speed > limit:
             speed = limit / abs(curvature)
         return Velocity(speed, speed * curvature)
+
+
+def _legs(waypoints: np.ndarray) -> list[np.ndarray]:
+    """Split a route where it turns back on itself, so that no corner is cut there."""
+    directions = np.arctan2(*np.diff(waypoints, axis=0).T[::-1])
+    turns = np.abs([wrap_angle(float(turn)) for turn in np.diff(directions)])
+    cuts = [0, *(np.flatnonzero(turns > _TURNS_BACK) + 1).tolist(), len(waypoints) - 1]
+    return [waypoints[a : b + 1] for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
 
 
 def _resampled(waypoints: np.ndarray) -> np.ndarray:

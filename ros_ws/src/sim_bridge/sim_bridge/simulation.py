@@ -201,10 +201,10 @@ def _is_due(stamp_ns: int, period_s: float) -> bool:
 
 def _require_free(name: str, model: RobotModel, start: SE2, solids: list[Solid]) -> None:
     corners = np.array(model.config.footprint_m)
-    around = np.vstack([np.linspace(a, b, 20) for a, b in zip(corners, np.roll(corners, -1, 0))])
+    around = np.linspace(corners, np.roll(corners, -1, axis=0), 20).reshape(-1, 2)
     footprint = start @ np.vstack([share * around for share in np.linspace(0.0, 1.0, 12)])
     for solid in solids:
         reaches = solid.bottom < model.config.height_m
         if reaches and (solid.signed_distance(footprint) <= 0.0).any():
             where = f"({start.x:g}, {start.y:g})"
-            raise WorldError(f"robot {name or '(unnamed)'!s} at {where} is inside {solid.name!r}")
+            raise WorldError(f"robot {name or '(unnamed)'} at {where} is inside {solid.name!r}")

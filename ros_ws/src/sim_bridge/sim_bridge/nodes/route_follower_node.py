@@ -42,9 +42,7 @@ class RouteFollowerNode(FloornavNode):
         self._T_map_odom = SE2.identity() if self._config.steer_by == "odom" else None
         self._corrected_ns = 0
         self._cmd_pub = create_publisher(self, Twist, "cmd_vel", RELIABLE_QOS)
-        create_subscription(
-            self, PoseWithCovarianceStamped, "pose", self._on_pose, RELIABLE_QOS
-        )
+        create_subscription(self, PoseWithCovarianceStamped, "pose", self._on_pose, RELIABLE_QOS)
         create_subscription(self, Odometry, "odom", self._on_odom, RELIABLE_QOS)
         self.ready()
 

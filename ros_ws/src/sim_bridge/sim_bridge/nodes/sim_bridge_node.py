@@ -76,6 +76,8 @@ class SimBridgeNode(FloornavNode):
             return
         self._owed_s = self._owed_s + factor * passed if factor else float("inf")
         while self._owed_s >= STEP_NS * 1e-9 and time.monotonic() - now < _MAX_BURST_S:
+            if not self.context.ok():
+                return
             self._owed_s -= STEP_NS * 1e-9
             self._step()
         self._owed_s = min(self._owed_s, max(factor, 1.0) * _MAX_BURST_S)
