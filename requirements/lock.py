@@ -19,6 +19,7 @@ LOCKS = (
     # source, lock, oldest Python it must hold for
     ("pip-home.in", HERE / "pip-home.txt", "3.11"),
     ("pip-cmake.in", HERE / "pip-cmake.txt", "3.11"),
+    ("colcon.in", HERE / "colcon.txt", "3.11"),
     ("noble.in", HERE / "noble.txt", "3.12"),
     ("robot.in", HERE.parent / "requirements-robot.txt", "3.12"),
 )

@@ -3,18 +3,19 @@
     from _environment import ensure_environment
 
     ensure_environment()                 # offline commands: always the pip home
-    ensure_environment(needs="node")     # commands that talk over DDS: the system's Jazzy if there is one
+    ensure_environment(needs="node")     # commands over DDS: the system's Jazzy if there is one
 
 There are two homes. The *pip home* is `.venv` in the checkout, made from wheels on first use (ROS
-included). The *system home* is `.venv-ros`, which sees the packages of an installed ROS 2 Jazzy and adds
-only what `rosdep` does not know; pip's rclpy never gets into it. Either is made again when
-its lock changes. `ensure_environment` then replaces the running process by the same command in
-that environment, so exit codes and signals are the command's own.
+included). The *system home* is `.venv-ros`, which sees the packages of an installed ROS 2 Jazzy
+and adds only what `rosdep` does not know; pip's rclpy never gets into it. Either is made again
+when its lock changes. `ensure_environment` then replaces the running process by the same command
+in that environment, so exit codes and signals are the command's own.
 
-Variables of the user: FLOORNAV_PYTHON (interpreter to use), FLOORNAV_VENV (another folder for the pip
-home), FLOORNAV_ENV_READY=1 (the right environment is active: return at once).
+Variables of the user: FLOORNAV_PYTHON (interpreter to use), FLOORNAV_VENV (another folder for the
+pip home), FLOORNAV_ENV_READY=1 (the right environment is active: return at once).
 
-Standard library only, and syntax that Python 3.9 reads, so that an old python can say what is missing.
+Standard library only, and syntax that Python 3.9 reads, so that an old python can say what is
+missing.
 """
 
 import os
@@ -61,7 +62,11 @@ def ensure_environment(needs="offline"):
         return
     from _environment_build import SetupError, ready_home
 
-    if needs == "node" and not _is_system_ros_active() and (SYSTEM_ROS_PREFIX / "setup.sh").exists():
+    if (
+        needs == "node"
+        and not _is_system_ros_active()
+        and (SYSTEM_ROS_PREFIX / "setup.sh").exists()
+    ):
         _replace_process_with_ros_sourced()
     try:
         home = ready_home(is_system=needs == "node" and _is_system_ros_active())
@@ -79,7 +84,7 @@ def ensure_environment(needs="offline"):
 
 
 def environment_of(prefix, is_system, environ):
-    """Return the variables for a process in the environment at `prefix`; what the user set stays."""
+    """Return the variables for a process in the environment at `prefix`; the user's own stay."""
     result = clean_child_environment(environ)
     if not is_system:
         _drop_installed_ros(result)
@@ -106,7 +111,7 @@ def environment_of(prefix, is_system, environ):
 def clean_child_environment(environ=None):
     """Return a copy of `environ` (default: ours) for a child that runs in another environment.
 
-    The ROS wheels restart python with their libraries first in LD_LIBRARY_PATH and a flag that says so.
+    The ROS wheels restart python with their libraries in LD_LIBRARY_PATH and a flag that says so.
     A child of another environment would take the flag for its own and load our libraries.
     """
     result = dict(os.environ if environ is None else environ)
@@ -117,7 +122,7 @@ def clean_child_environment(environ=None):
 
 
 def _is_wheel_path(path):
-    """Tell whether the wheels put `path` on LD_LIBRARY_PATH: <prefix>/lib or .../ros_<name>.libs."""
+    """Tell whether the wheels put `path` there: <prefix>/lib or .../ros_<name>.libs."""
     folder = Path(path)
     if folder.name.startswith("ros_") and folder.name.endswith(".libs"):
         return True
@@ -162,7 +167,7 @@ def _is_system_ros_active():
 
 
 def _replace_process_with_ros_sourced():
-    """Start this command again with the installed Jazzy sourced; returns only if it is not usable."""
+    """Start this command again with the installed Jazzy sourced; returns if that was done."""
     if os.environ.get("FLOORNAV_ROS_SOURCED") == "1":
         return
     environ = clean_child_environment()

@@ -2,9 +2,9 @@
 
 An environment is four layers: the virtual environment, the pinned libraries, tf2_msgs (pip home
 only) and links to our packages. `floornav-environment.json` in it says which version of each is
-there. It is written after each layer, so an interrupted set-up continues or starts again and is never
-taken for a good one. A changed lock makes the environment anew; changed interface definitions or package
-files renew their layer only.
+there. It is written after each layer, so an interrupted set-up continues or starts again and is
+never taken for a good one. A changed lock makes the environment anew; changed interface definitions
+or package files renew their layer only.
 
 Standard library only, and syntax that Python 3.9 reads.
 """
@@ -56,11 +56,11 @@ def ready_home(is_system=False):
         SetupError: If it cannot be made.
     """
     home = Home(home_prefix(is_system), is_system)
-    if _is_current(home):
+    if is_current(home):
         return home
     try:
         with _only_one(home.prefix):
-            if not _is_current(home):  # another command may have made it meanwhile
+            if not is_current(home):  # another command may have made it meanwhile
                 _make(home)
     except OSError as error:
         raise SetupError(f"cannot make {home.prefix}: {error}") from error
@@ -74,14 +74,14 @@ def home_prefix(is_system):
     return Path(os.environ.get("FLOORNAV_VENV") or ROOT / ".venv").absolute()
 
 
-def _is_current(home):
+def is_current(home):
     """Tell whether every layer is there and up to date. Reads a few files and runs nothing."""
     stamp = read_stamp(home.prefix)
     return (
         (home.prefix / "bin" / "python").exists()
         and not _is_other_python_asked(stamp)
         and stamp.get("libraries") == libraries_key(home)
-        and stamp.get("tf2_msgs") == _tf2_key(home, stamp)
+        and stamp.get("tf2_msgs") == tf2_key(home, stamp)
         and stamp.get("packages") == links_key()
     )
 
@@ -89,10 +89,10 @@ def _is_current(home):
 def libraries_key(home):
     """Hash what decides the libraries: lock, recipe, and the folder (scripts in bin name it)."""
     lock = ROBOT_LOCK if home.is_system else PIP_LOCK
-    return _digest(lock.read_bytes(), RECIPE.encode(), str(home.prefix).encode())
+    return digest(lock.read_bytes(), RECIPE.encode(), str(home.prefix).encode())
 
 
-def _tf2_key(home, stamp):
+def tf2_key(home, stamp):
     """Hash the interface definitions and their builder; keep "missing" while tools are missing."""
     if home.is_system:
         return None
@@ -103,7 +103,7 @@ def _tf2_key(home, stamp):
             return "missing"
     files = [path for path in sorted(SOURCE_DIR.rglob("*")) if path.is_file()]
     builder = Path(__file__).with_name("_tf2_msgs.py")
-    return _digest(*[path.read_bytes() for path in [*files, builder]])
+    return digest(*[path.read_bytes() for path in [*files, builder]])
 
 
 def _is_other_python_asked(stamp):
@@ -122,12 +122,12 @@ def _make(home):
     is_new = stamp.get("libraries") != libraries_key(home) or _is_other_python_asked(stamp)
     if is_new or not (home.prefix / "bin" / "python").exists():
         stamp = _make_libraries(home)
-    if stamp.get("tf2_msgs") != _tf2_key(home, stamp):
+    if stamp.get("tf2_msgs") != tf2_key(home, stamp):
         _make_tf2_msgs(home, stamp)
     if stamp.get("packages") != links_key():
         link_packages(home.prefix)
         stamp["packages"] = links_key()
-        _write_stamp(home.prefix, stamp)
+        write_stamp(home.prefix, stamp)
     if is_new:
         say(f"environment ready after {time.monotonic() - start:.0f} s")
 
@@ -137,20 +137,27 @@ def _make_libraries(home):
     lock = ROBOT_LOCK if home.is_system else PIP_LOCK
     python = _base_python(home)
     _check_space(home)
-    old = "again (its pins or its Python changed, or it was not finished)" if home.prefix.exists() else "on first use"
-    say(f"making the environment {home.prefix} {old}, Python {python.version_text}; this takes 1 to 5 minutes")
+    old = (
+        "again (its pins or its Python changed, or it was not finished)"
+        if home.prefix.exists()
+        else "on first use"
+    )
+    say(
+        f"making the environment {home.prefix} {old}, Python {python.version_text}; "
+        "this takes 1 to 5 minutes"
+    )
     if home.prefix.exists():
         shutil.rmtree(home.prefix)
     with step("virtual environment"):
         options = ["--system-site-packages"] if home.is_system else []
         _run([python.path, "-m", "venv", *options, str(home.prefix)])
     if not home.is_system and python.version >= (3, 12):
-        say("  note: sim_bridge needs pybullet, which has no wheel for Python 3.12 (requirements/README.md)")
+        say("  note: sim_bridge needs pybullet, no wheel for Python 3.12 (requirements/README.md)")
     with step("libraries") as report:
         pip_install(home.prefix, lock, report, SetupError)
     stamp = {"python": python.version_text, "asked_python": os.environ.get("FLOORNAV_PYTHON")}
     stamp["libraries"] = libraries_key(home)
-    _write_stamp(home.prefix, stamp)
+    write_stamp(home.prefix, stamp)
     return stamp
 
 
@@ -159,7 +166,9 @@ def _base_python(home):
     if home.is_system:  # rclpy is compiled for the system's own
         found = probe("/usr/bin/python3")
         if found is None or not found.has_venv:
-            raise SetupError("/usr/bin/python3 cannot make virtual environments: install python3-venv")
+            raise SetupError(
+                "/usr/bin/python3 cannot make virtual environments: install python3-venv"
+            )
         return found
     try:
         return choose_python()
@@ -175,20 +184,22 @@ def _make_tf2_msgs(home, stamp):
             if find_cmake(home.prefix) is None:
                 pip_install(home.prefix, CMAKE_LOCK, report, SetupError)
             build_tf2_msgs(home.prefix)
-        stamp["tf2_msgs"] = _tf2_key(home, {})
+        stamp["tf2_msgs"] = tf2_key(home, {})
     except BuildToolMissingError as error:
         say(f"tf2_msgs not built, {error}: everything but TF runs; install it and run this again")
         stamp["tf2_msgs"] = "missing"
     except RuntimeError as error:
         raise SetupError(str(error)) from error
-    _write_stamp(home.prefix, stamp)
+    write_stamp(home.prefix, stamp)
 
 
 def _check_space(home):
     """Raise SetupError if the disk is too full."""
     free_gb = shutil.disk_usage(home.prefix.parent).free / 1e9
     if free_gb < NEEDED_GB[home.is_system]:
-        raise SetupError(f"{home.prefix} needs {NEEDED_GB[home.is_system]} GB, the disk has {free_gb:.1f} GB left")
+        raise SetupError(
+            f"{home.prefix} needs {NEEDED_GB[home.is_system]} GB, {free_gb:.1f} GB are left there"
+        )
 
 
 def _run(command):
@@ -197,7 +208,9 @@ def _run(command):
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=clean_child_environment()
     )
     if answer.returncode != 0:
-        raise SetupError(f"{' '.join(command)} failed:\n{answer.stdout.decode(errors='replace').strip()}")
+        raise SetupError(
+            f"{' '.join(command)} failed:\n{answer.stdout.decode(errors='replace').strip()}"
+        )
 
 
 @contextmanager
@@ -251,14 +264,14 @@ def read_stamp(prefix):
         return {}
 
 
-def _write_stamp(prefix, stamp):
+def write_stamp(prefix, stamp):
     """Write the stamp whole or not at all."""
     new = Path(prefix) / f"{STAMP}.new"
     new.write_text(json.dumps(stamp, indent=1) + "\n")
     new.replace(Path(prefix) / STAMP)
 
 
-def _digest(*parts):
+def digest(*parts):
     """Hash byte strings."""
     result = hashlib.sha256()
     for part in parts:

@@ -56,7 +56,9 @@ def links_key():
     """Hash what decides the links: the place of the checkout, manifests, and the data folders."""
     result = hashlib.sha256(str(ROOT).encode())
     for package in find_packages().values():
-        result.update(repr((package.name, package.version, sorted(package.executables.items()))).encode())
+        result.update(
+            repr((package.name, package.version, sorted(package.executables.items()))).encode()
+        )
         result.update(repr(_data_folders(package)).encode())
     result.update(Path(__file__).read_bytes())
     return result.hexdigest()
@@ -80,7 +82,9 @@ def _write_metadata(package, site_packages):
         shutil.rmtree(old)
     folder = site_packages / f"{package.name}-{package.version}.dist-info"
     folder.mkdir()
-    (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package.name}\nVersion: {package.version}\n")
+    (folder / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {package.name}\nVersion: {package.version}\n"
+    )
     (folder / "INSTALLER").write_text("floornav\n")
     scripts = "".join(f"{name} = {target}\n" for name, target in package.executables.items())
     (folder / "entry_points.txt").write_text(f"[console_scripts]\n{scripts}")
@@ -92,7 +96,10 @@ def _link_share(package, prefix):
     if share.exists():
         shutil.rmtree(share)
     share.mkdir(parents=True)
-    for item in [package.folder / "package.xml", *(package.folder / name for name in _data_folders(package))]:
+    for item in [
+        package.folder / "package.xml",
+        *(package.folder / name for name in _data_folders(package)),
+    ]:
         (share / item.name).symlink_to(item)
     marker = prefix / "share" / "ament_index" / "resource_index" / "packages" / package.name
     marker.parent.mkdir(parents=True, exist_ok=True)
@@ -108,14 +115,20 @@ def _write_executables(package, prefix):
     for name, target in package.executables.items():
         module, function = target.split(":")
         python = prefix / "bin" / "python"
-        (folder / name).write_text(EXECUTABLE.format(python=python, module=module, function=function))
+        (folder / name).write_text(
+            EXECUTABLE.format(python=python, module=module, function=function)
+        )
         (folder / name).chmod(0o755)
 
 
 def _data_folders(package):
     """Return the names of the folders that the package installs under share."""
     names = (p.name for p in sorted(package.folder.iterdir()) if p.is_dir())
-    return [n for n in names if n != package.name and n not in NOT_DATA and not n.endswith(".egg-info") and n[0] != "."]
+    return [
+        n
+        for n in names
+        if n != package.name and n not in NOT_DATA and not n.endswith(".egg-info") and n[0] != "."
+    ]
 
 
 def module_and_function(packages, package, executable):

@@ -10,7 +10,9 @@ from pathlib import Path
 from _environment import clean_child_environment
 
 SHOWN_LINES = 12
-NOISE = re.compile(r"^\s*(Collecting|Downloading|Using cached|Obtaining|Looking in|Requirement already|━|\[notice\])")
+NOISE = re.compile(
+    r"^\s*(Collecting|Downloading|Using cached|Looking in|Requirement already|\[notice\])"
+)
 
 
 def pip_install(prefix, lock, report, error_class):
@@ -25,24 +27,35 @@ def pip_install(prefix, lock, report, error_class):
     """
     total = sum(1 for line in Path(lock).read_text().splitlines() if re.match(r"[A-Za-z0-9]", line))
     command = [str(Path(prefix) / "bin" / "python"), "-m", "pip", "install", "--require-hashes"]
-    command += ["--no-input", "--disable-pip-version-check", "--progress-bar", "off", "-r", str(lock)]
+    command += [
+        "--no-input",
+        "--disable-pip-version-check",
+        "--progress-bar",
+        "off",
+        "-r",
+        str(lock),
+    ]
     environ = clean_child_environment()
     environ.update(PYTHONUNBUFFERED="1", PIP_NO_COLOR="1")
     environ.pop("PYTHONPATH", None)
     lines = []
-    pip = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environ, text=True)
+    num_fetched = 0
+    pip = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environ, text=True
+    )
     try:
         with pip, open(Path(prefix) / "pip.log", "w") as log:
             for line in pip.stdout:
                 lines.append(line.rstrip())
                 log.write(line)
                 if line.startswith("Collecting "):
-                    report(f"{sum(1 for x in lines if x.startswith('Collecting '))} of about {total} packages fetched")
+                    num_fetched += 1
+                    report(f"{num_fetched} of about {total} packages fetched")
                 elif line.startswith("Installing collected"):
                     report("unpacking")
     except BaseException:
         pip.kill()
         raise
     if pip.returncode != 0:
-        words = [line for line in lines if line.strip() and not NOISE.match(line)][-SHOWN_LINES:]
-        raise error_class("pip failed (its whole output: {}):\n{}".format(Path(prefix) / "pip.log", "\n".join(words)))
+        words = [line for line in lines if line.strip() and not NOISE.match(line)]
+        raise error_class("\n".join([f"pip failed ({prefix}/pip.log):", *words[-SHOWN_LINES:]]))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 SUPPORTED = ((3, 11), (3, 12))
 PROBE = """
 import importlib.util as u, os, platform, sys, sysconfig
-print(sys.version_info[0], sys.version_info[1], platform.python_version(), platform.python_implementation())
+print(*sys.version_info[:2], platform.python_version(), platform.python_implementation())
 print(getattr(sys, "_base_executable", None) or sys.executable)
 print(int(u.find_spec("venv") is not None and u.find_spec("ensurepip") is not None))
 print(int(os.path.exists(os.path.join(sysconfig.get_paths()["include"], "Python.h"))))
@@ -35,7 +35,7 @@ def choose_python(environ=None):
     """Return the interpreter to use, or raise LookupError with one line that says what to do.
 
     FLOORNAV_PYTHON decides if it is set. Otherwise the first of 3.11, then of 3.12, that can make
-    virtual environments; one with C headers is preferred, because tf2_msgs is compiled against them.
+    virtual environments; one with C headers is preferred, because tf2_msgs is compiled with them.
     """
     environ = os.environ if environ is None else environ
     asked = environ.get("FLOORNAV_PYTHON")
@@ -44,18 +44,22 @@ def choose_python(environ=None):
     found = []
     for path in candidates(environ):
         found.append(probe(path, environ))
-        if found[-1] and found[-1].version == SUPPORTED[0] and found[-1].has_venv and found[-1].has_headers:
+        if (
+            found[-1]
+            and found[-1].version == SUPPORTED[0]
+            and found[-1].has_venv
+            and found[-1].has_headers
+        ):
             return found[-1]
     usable = [p for p in found if p and p.version in SUPPORTED and p.has_venv]
     if usable:
         return min(usable, key=lambda p: (p.version, not p.has_headers))
     without_venv = [p for p in found if p and p.version in SUPPORTED]
     if without_venv:
-        major, minor = without_venv[0].version
-        raise LookupError(f"{without_venv[0].path} cannot make virtual environments: install python{major}.{minor}-venv")
-    seen = sorted({p.version_text for p in found if p}) or ["none"]
+        raise LookupError(_no_venv(without_venv[0]))
+    seen = ", ".join(sorted({p.version_text for p in found if p})) or "none"
     raise LookupError(
-        f"Python 3.11 or 3.12 is needed (found: {', '.join(seen)}); install one, or name it in FLOORNAV_PYTHON"
+        f"Python 3.11 or 3.12 is needed (found: {seen}); install one or name it in FLOORNAV_PYTHON"
     )
 
 
@@ -74,7 +78,11 @@ def probe(path, environ=None):
     environ.pop("_ROS_WHEELS_BOOTSTRAP_COMPLETE", None)
     try:
         answer = subprocess.run(
-            [path, "-c", PROBE], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, timeout=30, env=environ
+            [path, "-c", PROBE],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            timeout=30,
+            env=environ,
         )
         first, executable, has_venv, has_headers = answer.stdout.decode().splitlines()
         major, minor, text, implementation = first.split()
@@ -82,7 +90,9 @@ def probe(path, environ=None):
         return None
     if answer.returncode != 0 or implementation != "CPython":
         return None
-    return Interpreter(executable, (int(major), int(minor)), text, has_venv == "1", has_headers == "1")
+    return Interpreter(
+        executable, (int(major), int(minor)), text, has_venv == "1", has_headers == "1"
+    )
 
 
 def _asked_for(asked, environ):
@@ -91,11 +101,16 @@ def _asked_for(asked, environ):
     if found is None:
         raise LookupError(f"FLOORNAV_PYTHON={asked} does not run")
     if found.version not in SUPPORTED:
-        raise LookupError(f"FLOORNAV_PYTHON={asked} is Python {found.version_text}; 3.11 or 3.12 is needed")
+        raise LookupError(f"FLOORNAV_PYTHON={asked} is {found.version_text}, not 3.11 or 3.12")
     if not found.has_venv:
-        major, minor = found.version
-        raise LookupError(f"FLOORNAV_PYTHON={asked} cannot make virtual environments: install python{major}.{minor}-venv")
+        raise LookupError(_no_venv(found))
     return found
+
+
+def _no_venv(python):
+    """Say what a Python without venv lacks."""
+    package = "python{}.{}-venv".format(*python.version)
+    return f"{python.path} cannot make virtual environments: install {package}"
 
 
 def _places(environ):
@@ -108,6 +123,14 @@ def _places(environ):
         home = Path(environ.get("HOME") or os.path.expanduser("~"))
         for store in (environ.get("PYENV_ROOT"), str(home / ".pyenv")):
             if store:
-                yield from (str(p) for p in sorted(Path(store).glob(f"versions/{major}.{minor}.*/bin/python")))
-        yield from (str(p) for p in sorted((home / ".local/share/uv/python").glob(f"cpython-{major}.{minor}*/bin/python3")))
+                yield from (
+                    str(p)
+                    for p in sorted(Path(store).glob(f"versions/{major}.{minor}.*/bin/python"))
+                )
+        yield from (
+            str(p)
+            for p in sorted(
+                (home / ".local/share/uv/python").glob(f"cpython-{major}.{minor}*/bin/python3")
+            )
+        )
     yield from (os.path.join(folder, "python3") for folder in folders)

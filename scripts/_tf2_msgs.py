@@ -1,10 +1,10 @@
 """Build tf2_msgs from its interface definitions into an environment made of ROS wheels.
 
-No wheel carries tf2_msgs. The wheels do carry the generators, so the package in `scripts/tf2_interfaces/`
-is built like any interface package, with two differences: the generators' exported cmake files name
-Python and numpy folders of the machine that built the wheels, which are replaced by this machine's,
-and the result is copied into the environment's own `lib`, `share` and `site-packages`, where the
-wheels keep theirs, so that no path has to be set.
+No wheel carries tf2_msgs. The wheels do carry the generators, so the package in
+`scripts/tf2_interfaces/` is built like any interface package, with two differences: the generators'
+exported cmake files name Python and numpy folders of the machine that built the wheels, which are
+replaced by this machine's, and the result is copied into the environment's own `lib`, `share` and
+`site-packages`, where the wheels keep theirs, so that no path has to be set.
 
 Standard library only; runs under any python >= 3.9.
 """
@@ -16,8 +16,13 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from _environment import clean_child_environment
+
 SOURCE_DIR = Path(__file__).resolve().parent / "tf2_interfaces"
 WHEEL_BUILDER_PYTHON = re.compile(r"/opt/python/cp\d+-cp\d+")
+
+FOREIGN_SETTINGS = ("CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "PYTHONPATH", "ROS_DISTRO")
+FOREIGN_SETTINGS += ("CFLAGS", "CXXFLAGS", "LDFLAGS")
 
 
 class BuildToolMissingError(Exception):
@@ -43,7 +48,9 @@ def build_tf2_msgs(prefix, cmake=None, log_path=None):
     if cmake is None:
         raise BuildToolMissingError("no cmake found")
     if not (Path(facts["include"]) / "Python.h").exists():
-        raise BuildToolMissingError(f"no Python.h in {facts['include']} (install the python3-dev package)")
+        raise BuildToolMissingError(
+            f"no Python.h in {facts['include']} (install the python3-dev package)"
+        )
     log_path = Path(log_path or prefix / "tf2_msgs_build.log")
     with tempfile.TemporaryDirectory(prefix="floornav_tf2_msgs_") as scratch:
         overlay = _overlay_with_local_paths(prefix, Path(scratch) / "overlay", facts)
@@ -75,12 +82,12 @@ def _interpreter_facts(prefix):
     """Ask the environment's interpreter where its headers, numpy's headers and packages are."""
     ask = (
         "import sysconfig, numpy; p = sysconfig.get_paths();"
-        "print(p['include'], numpy.get_include(), p['purelib'], sysconfig.get_config_var('LIBDIR'), sep='\\n')"
+        "print(p['include'], numpy.get_include(), p['purelib'], sep='\\n')"
     )
     answer = subprocess.run(
         [str(prefix / "bin" / "python"), "-c", ask], check=True, capture_output=True, text=True
     ).stdout.splitlines()
-    return dict(zip(("include", "numpy_include", "site_packages", "libdir"), answer))
+    return dict(zip(("include", "numpy_include", "site_packages"), answer))
 
 
 def _overlay_with_local_paths(prefix, overlay, facts):
@@ -93,18 +100,24 @@ def _overlay_with_local_paths(prefix, overlay, facts):
     for name in ("include", "lib", "lib64", "bin", "tools"):
         if (prefix / name).exists():
             (overlay / name).symlink_to(prefix / name)
-    shutil.copytree(prefix / "share", overlay / "share", ignore=shutil.ignore_patterns("man", "doc"))
+    shutil.copytree(
+        prefix / "share", overlay / "share", ignore=shutil.ignore_patterns("man", "doc")
+    )
     for path in (overlay / "share").rglob("*.cmake"):
         text = path.read_text()
         if WHEEL_BUILDER_PYTHON.search(text):
-            path.write_text(_with_local_paths(text, facts))
+            path.write_text(with_local_paths(text, facts))
     return overlay
 
 
-def _with_local_paths(text, facts):
+def with_local_paths(text, facts):
     """Replace the wheel builder's numpy and Python include folders by this machine's."""
     builder = WHEEL_BUILDER_PYTHON.pattern
-    text = re.sub(builder + r"/lib/python[\d.]+/site-packages/numpy/_?core/include", facts["numpy_include"], text)
+    text = re.sub(
+        builder + r"/lib/python[\d.]+/site-packages/numpy/_?core/include",
+        facts["numpy_include"],
+        text,
+    )
     return re.sub(builder + r"/include/python[\d.]+", facts["include"], text)
 
 
@@ -116,38 +129,57 @@ def _run_cmake(cmake, prefix, overlay, build, staged, facts, log_path):
         "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF",
         f"-DCMAKE_INSTALL_PREFIX={staged}", f"-DCMAKE_PREFIX_PATH={overlay}",
         f"-DPython3_EXECUTABLE={python}", f"-DPYTHON_EXECUTABLE={python}",
-        f"-DPython3_INCLUDE_DIR={facts['include']}", f"-DPython3_NumPy_INCLUDE_DIR={facts['numpy_include']}",
+        f"-DPython3_INCLUDE_DIR={facts['include']}",
+        f"-DPython3_NumPy_INCLUDE_DIR={facts['numpy_include']}",
         "-DPython3_FIND_STRATEGY=LOCATION", "-Wno-dev",
     ]  # fmt: skip
-    environment = dict(os.environ)
-    for name in ("CMAKE_PREFIX_PATH", "COLCON_PREFIX_PATH", "PYTHONPATH", "ROS_DISTRO", "CFLAGS", "CXXFLAGS"):
+    environment = clean_child_environment()
+    for name in FOREIGN_SETTINGS:
         environment.pop(name, None)
     environment["AMENT_PREFIX_PATH"] = str(overlay)
     environment["PATH"] = f"{prefix / 'bin'}{os.pathsep}{environment.get('PATH', os.defpath)}"
-    steps = [configure, [cmake, "--build", str(build), "--parallel", "2"], [cmake, "--install", str(build)]]
+    steps = [
+        configure,
+        [cmake, "--build", str(build), "--parallel", "2"],
+        [cmake, "--install", str(build)],
+    ]
     with open(log_path, "w") as log:
         for step in steps:
-            if subprocess.run(step, stdout=log, stderr=subprocess.STDOUT, env=environment).returncode != 0:
-                log.flush()
+            answer = subprocess.run(step, stdout=log, stderr=subprocess.STDOUT, env=environment)
+            if answer.returncode != 0:
                 tail = "\n".join(Path(log_path).read_text(errors="replace").splitlines()[-15:])
                 raise RuntimeError(f"building tf2_msgs failed ({log_path}):\n{tail}")
 
 
 def _name_prefix(staged, prefix):
-    """Replace the scratch folder that the set-up scripts name as their prefix by the environment."""
+    """Name the environment instead of the scratch folder in the set-up scripts."""
     for path in (staged / "share").rglob("*.*sh"):
         path.write_text(path.read_text().replace(str(staged), str(prefix)))
 
 
 def _copy_into(staged, prefix, site_packages):
-    """Copy the installed tree to where the wheels keep theirs, the Python package last."""
-    shutil.copytree(staged / "share", prefix / "share", dirs_exist_ok=True)
-    for library in (staged / "lib").glob("lib*.so*"):
-        shutil.copy2(library, prefix / "lib" / library.name)
-    if (staged / "include").exists():
-        shutil.copytree(staged / "include", prefix / "include", dirs_exist_ok=True)
+    """Copy the installed tree to where the wheels keep theirs, the Python package last.
+
+    Files are replaced, not written over: a running process may have the old libraries loaded.
+    """
     (package,) = (staged / "lib").glob("python*/site-packages/tf2_msgs")
-    no_bytecode = shutil.ignore_patterns("__pycache__")
+    for name in ("share", "include"):
+        _copy_tree(staged / name, prefix / name)
+    for library in (staged / "lib").glob("lib*.so*"):
+        _replace(library, prefix / "lib" / library.name)
     for metadata in package.parent.glob("tf2_msgs-*"):
-        shutil.copytree(metadata, site_packages / metadata.name, dirs_exist_ok=True)
-    shutil.copytree(package, site_packages / "tf2_msgs", ignore=no_bytecode, dirs_exist_ok=True)
+        _copy_tree(metadata, site_packages / metadata.name)
+    _copy_tree(package, site_packages / "tf2_msgs")
+
+
+def _copy_tree(source, target):
+    """Copy a folder over another, file by file; bytecode stays behind."""
+    no_bytecode = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(source, target, copy_function=_replace, ignore=no_bytecode, dirs_exist_ok=True)
+
+
+def _replace(source, target):
+    """Put a copy of a file in place of another."""
+    scratch = f"{target}.new"
+    shutil.copy2(source, scratch)
+    os.replace(scratch, target)

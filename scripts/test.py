@@ -17,7 +17,10 @@ def main() -> None:
         print(__doc__.strip())
         return
     ensure_environment(needs="node")
-    words = [str(Path(word).absolute()) if Path(word.split("::")[0]).exists() else word for word in sys.argv[1:]]
+    words = [
+        str(Path(word).absolute()) if Path(word.split("::")[0]).exists() else word
+        for word in sys.argv[1:]
+    ]
     os.chdir(ROOT)
     os.execv(sys.executable, [sys.executable, "-m", "pytest", *words])
 

@@ -28,6 +28,6 @@ setup(
     zip_safe=False,
     maintainer="floornav contributors",
     maintainer_email="floornav@users.noreply.github.com",
-    description="Ground floor of floornav: planar poses, message conversion, parameters, frames, QoS and diagnostics.",
+    description="Ground floor of floornav: poses, messages, parameters, frames, QoS, diagnostics.",
     license="Apache-2.0",
 )
