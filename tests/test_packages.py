@@ -213,7 +213,7 @@ def test_robot_lock_is_hashed_and_keeps_nobles_numpy() -> None:
 
 
 def check_lock(path: Path) -> None:
-    """Fail unless every requirement is pinned and hashed and no address or option is in the lock."""
+    """Fail unless each requirement is pinned and hashed, without addresses and options."""
     text = path.read_text()
     assert "://" not in text
     assert not re.search(r"^-", text, flags=re.MULTILINE)
