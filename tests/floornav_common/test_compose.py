@@ -15,12 +15,12 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> None:
     scripts = [
         EntryPoint("grid_mapper", "grid_mapper.nodes.grid_mapper_node:main", "console_scripts"),
         EntryPoint("map_bag", "grid_mapper.map_bag:main", "console_scripts"),
-        EntryPoint("other", "elsewhere.nodes.other_node:main", "console_scripts"),
+        EntryPoint("other", "elsewhere.cli:main", "console_scripts"),
     ]
     monkeypatch.setattr(compose, "entry_points", lambda **_: scripts)
 
 
-def test_only_our_nodes_are_found(installed: Any) -> None:
+def test_only_nodes_are_found(installed: Any) -> None:
     assert list(compose.nodes_installed()) == ["grid_mapper/grid_mapper"]
 
 

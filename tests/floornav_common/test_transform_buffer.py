@@ -226,7 +226,7 @@ def test_loops_are_refused_and_leave_the_tree_as_it_was() -> None:
 
 
 quaternions = st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(
-    lambda q: 0.1 < math.sqrt(sum(v * v for v in q))
+    lambda q: math.sqrt(sum(v * v for v in q)) > 0.1
 )
 positions = st.tuples(*[st.floats(-50.0, 50.0)] * 3)
 TOL_LAW = 1e-6  # m and parts of a rotation matrix, at distances up to 100 m

@@ -18,6 +18,7 @@ import pytest
 pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
 
 DISCOVERY_S = 10.0  # discovery takes 0.1 s, now and then 3 s
+SETTLE_S = 0.3  # the other side of a match hears of it a moment later
 DOMAINS = range(60, 100)
 
 
@@ -127,6 +128,7 @@ class Peer:
         """Create a publisher and wait until that many subscriptions have found it."""
         publisher = self.node.create_publisher(msg_type, topic, qos)
         self.spin_until(lambda: publisher.get_subscription_count() >= matched)
+        self.spin(SETTLE_S)
         return publisher
 
     def publish_until(

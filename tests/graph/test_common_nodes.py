@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -107,8 +108,33 @@ def test_remapped_tf_topics_are_heard(start: Start, peer: Peer) -> None:
     scans = peer.publisher(LaserScan, "/r2/scan", 10)
     statics.publish(tf_of("base_link", "laser", 0, 0.5))
     tf.publish(tf_of("odom", "base_link", 100 * S, 2.0))
-    scans.publish(scan_of(100 * S))
-    node.wait_for("at x 2.500")
+    peer.publish_until(scans, scan_of(100 * S), lambda: "at x 2.500" in node.text)
+
+
+def test_transforms_of_a_looping_bag_are_taken_up_without_clock(
+    echo: NodeProcess, peer: Peer
+) -> None:
+    robot = Robot(peer)
+    robot.tf.publish(tf_of("odom", "base_link", 1000 * S, 0.0))
+    robot.scans.publish(scan_of(1000 * S))
+    echo.wait_for("at x 0.500")
+    for i in range(60):
+        robot.tf.publish(tf_of("odom", "base_link", 10 * S + i, 2.0))
+        peer.spin(0.01)
+    echo.wait_for("jumped back without /clock")
+    robot.scans.publish(scan_of(10 * S + 55))
+    echo.wait_for("at x 2.500")
+
+
+def test_without_tf2_msgs_one_line_says_so_and_the_node_lives(start: Start) -> None:
+    code = (
+        "import runpy, sys; sys.modules['tf2_msgs'] = None; "
+        f"sys.argv = ['x', 'scan_echo']; runpy.run_path({str(NODES)!r}, run_name='__main__')"
+    )
+    node = start("-c", code)
+    node.wait_for("tf2_msgs is not installed")
+    node.wait_for("ready")
+    assert node.stop() == 0 and node.text.count("tf2_msgs") == 1
 
 
 def test_qos_mismatch_names_the_publisher_and_the_cure(start: Start, make_peer: Any) -> None:
@@ -245,6 +271,37 @@ def test_an_error_in_a_callback_ends_the_node_with_1(start: Start) -> None:
     node = start(NODES, "broken")
     assert node.wait_for_exit() == 1
     assert "broken on purpose" in node.text
+
+
+def test_compose_runs_nodes_of_installed_packages_in_one_process(
+    start: Start, peer: Peer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nodes = tmp_path / "two_robots" / "nodes"
+    nodes.mkdir(parents=True)
+    for name in ("left", "right"):
+        (nodes / f"{name}_node.py").write_text(
+            "from floornav_common.ros.node import FloornavNode\n\n\n"
+            f"class Side(FloornavNode):\n    def __init__(self):\n"
+            f"        super().__init__('{name}')\n        self.ready()\n"
+        )
+    info = tmp_path / "two_robots-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: two_robots\nVersion: 1\n")
+    (info / "entry_points.txt").write_text(
+        "[console_scripts]\nleft = two_robots.nodes.left_node:main\n"
+        "right = two_robots.nodes.right_node:main\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
+    words = ["two_robots/left", "two_robots/right", "--ros-args", "-r", "__ns:=/r2"]
+    node = start("-m", "floornav_common.compose", *words)
+    node.wait_for("[r2.left]: ready")
+    node.wait_for("[r2.right]: ready")
+    peer.spin_until(
+        lambda: (
+            {("left", "/r2"), ("right", "/r2")} <= set(peer.node.get_node_names_and_namespaces())
+        )
+    )
+    assert node.stop() == 0
 
 
 def test_compose_names_what_there_is(start: Start) -> None:

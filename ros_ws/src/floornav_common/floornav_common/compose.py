@@ -12,18 +12,13 @@ import sys
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-PACKAGES = (
-    "floor_perception", "floornav_common", "grid_mapper", "multi_localizer", "sim_bridge",
-    "sjmc_planner",
-)  # fmt: skip
-
 
 def main(args: list[str] | None = None) -> int:
     """Parse the command line and run; returns the exit code."""
     words = sys.argv[1:] if args is None else args
     parser = argparse.ArgumentParser(
         prog="compose",
-        description="Run several floornav nodes in one process.",
+        description="Run several nodes in one process.",
         epilog="Nodes that are installed: " + (", ".join(sorted(nodes_installed())) or "none"),
     )
     parser.add_argument("nodes", nargs="+", metavar="PACKAGE/EXECUTABLE")
@@ -40,12 +35,15 @@ def main(args: list[str] | None = None) -> int:
 
 
 def nodes_installed() -> dict[str, EntryPoint]:
-    """Return the executables of our packages that are nodes, by `PACKAGE/EXECUTABLE`."""
+    """Return the executables that are nodes, by `PACKAGE/EXECUTABLE`.
+
+    Such is a console script whose `main` stands in a module of the package's `nodes` folder.
+    """
     scripts = entry_points(group="console_scripts")
     found = {}
     for script in scripts:
         package, _, rest = script.value.partition(".")
-        if package in PACKAGES and rest.startswith("nodes."):
+        if rest.startswith("nodes."):
             found[f"{package}/{script.name}"] = script
     return found
 

@@ -151,4 +151,6 @@ def _take_integers_for_floats(node: Node) -> None:
         return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
 
     if not node._pre_set_parameters_callbacks:
-        node.add_pre_set_parameters_callback(lambda parameters: [as_declared(p) for p in parameters])
+        node.add_pre_set_parameters_callback(
+            lambda parameters: [as_declared(p) for p in parameters]
+        )

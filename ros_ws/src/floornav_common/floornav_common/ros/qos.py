@@ -6,6 +6,7 @@ the sensor-data profile (REP 2003), so they match reliable and best-effort drive
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -27,6 +28,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
 from floornav_common.ros.parameters import ParameterError
+from floornav_common.time_watch import Throttle
 
 
 def _profile(depth: int, reliability: ReliabilityPolicy, *, is_latched: bool = False) -> QoSProfile:
@@ -49,6 +51,7 @@ _OVERRIDABLE = (
     QoSPolicyKind.RELIABILITY,
     QoSPolicyKind.DURABILITY,
 )
+_LOSS_PERIOD_NS = 10_000_000_000
 _NAME_LOOK_S, _NAME_LOOKS = 0.1, 20
 _WEAKEST = {"RELIABILITY": "best_effort", "DURABILITY": "volatile"}
 _STRONGEST = {"RELIABILITY": "reliable", "DURABILITY": "transient_local"}
@@ -104,10 +107,17 @@ def create_subscription(
     def warn(event: Any) -> None:
         _warn_when_named(node, subscription.topic_name, event, mismatched, "subscription")
 
+    def warn_of_loss(event: Any) -> None:
+        if losses.is_due(time.monotonic_ns()):
+            name = subscription.topic_name
+            text = lost_text(name, event.total_count, publisher_names(node, name))
+            node.get_logger().warning(text)
+
+    losses = Throttle(_LOSS_PERIOD_NS)
+    callbacks = SubscriptionEventCallbacks(incompatible_qos=warn, message_lost=warn_of_loss)
     subscription: Subscription = _with_overrides(
-        node.create_subscription, msg_type, topic, callback, own,
-        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=warn),
-    )  # fmt: skip
+        node.create_subscription, msg_type, topic, callback, own, event_callbacks=callbacks
+    )
     return subscription
 
 
@@ -130,13 +140,13 @@ def mismatch_text(topic: str, policy: str, others: list[str], role: str) -> str:
     return f"{text}; start this node with -p {key}:={cure}" if cure else text
 
 
-def lost_text(topic: str, others: list[str]) -> str:
-    """Return the warning about messages that a matching publisher sends but do not arrive."""
+def lost_text(topic: str, num_lost: int, others: list[str]) -> str:
+    """Return the warning about messages that a matching publisher sent but that did not arrive."""
     names = " and ".join(others) or "its publisher"
     key = f"qos_overrides.{topic}.subscription.reliability"
     return (
-        f"{topic}: messages from {names} get lost; set FASTRTPS_DEFAULT_PROFILES_FILE for both "
-        f"sides, or start this node with -p {key}:=reliable"
+        f"{topic}: {num_lost} messages from {names} got lost; start both sides with the Fast DDS "
+        f"profile (FASTRTPS_DEFAULT_PROFILES_FILE), or this node with -p {key}:=reliable"
     )
 
 

@@ -15,6 +15,7 @@ from floornav_common.transform_buffer import TransformBuffer
 
 NO_TF = "tf2_msgs is not installed: transforms are neither heard nor sent"
 _WARN_PERIOD_NS = 5_000_000_000
+_OLD_IN_A_ROW = 50  # a late sample or two is ignored; a second of nothing else is a looping bag
 
 
 def tf_message_type() -> type | None:
@@ -41,6 +42,7 @@ class TransformListener:
         self._node = node
         self._steady_ns = steady_ns
         self._warnings = Throttle(_WARN_PERIOD_NS)
+        self._num_old = 0
         self._on_update: list[Callable[[], None]] = []
         self._on_sample: list[Callable[[Any], None]] = []
         message = tf_message_type()
@@ -73,18 +75,29 @@ class TransformListener:
 
     def _store(self, msg: Any, *, is_static: bool) -> None:
         for stamped in msg.transforms:
-            t, q = stamped.transform.translation, stamped.transform.rotation
-            try:
-                self.buffer.set_transform(
-                    stamped.header.frame_id, stamped.child_frame_id,
-                    stamp_to_ns(stamped.header.stamp),
-                    (t.x, t.y, t.z), (q.x, q.y, q.z, q.w), is_static,
-                )  # fmt: skip
-            except ValueError as error:
-                if self._warnings.is_due(self._steady_ns()):
-                    self._node.get_logger().warning(f"transform ignored: {error}")
+            self._store_one(stamped, is_static=is_static)
         for callback in self._on_update:
             callback()
+
+    def _store_one(self, stamped: Any, *, is_static: bool) -> None:
+        t, q = stamped.transform.translation, stamped.transform.rotation
+        parent, child = stamped.header.frame_id, stamped.child_frame_id
+        stamp_ns = stamp_to_ns(stamped.header.stamp)
+        place, turn = (t.x, t.y, t.z), (q.x, q.y, q.z, q.w)
+        try:
+            is_new = self.buffer.set_transform(parent, child, stamp_ns, place, turn, is_static)
+        except ValueError as error:
+            self._warn(f"transform ignored: {error}")
+            return
+        self._num_old = 0 if is_new else self._num_old + 1
+        if self._num_old >= _OLD_IN_A_ROW:
+            self._warn("stamps on /tf jumped back without /clock (use_sim_time?): starting afresh")
+            self._num_old = 0
+            self.clear()
+
+    def _warn(self, text: str) -> None:
+        if self._warnings.is_due(self._steady_ns()):
+            self._node.get_logger().warning(text)
 
 
 class TransformBroadcaster:
