@@ -85,13 +85,13 @@ def write_pictures(out: Path, heard: Heard, start: SE2, solids: list[Solid], hei
 
     figure, axes = plt.subplots(figsize=(12.0, 9.4), layout="constrained")
     _draw_map(axes, heard, start)
-    _draw_outline(axes, [s for s in solids if s.is_at_height(height)])
+    _draw_outline(axes, solids, height)
     _draw_tracks(axes, heard, start)
     axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
     _fit(axes, solids)
     for side in axes.spines.values():
         side.set_visible(False)
-    figure.legend(loc="outside upper center", ncols=5, frameon=False, fontsize=12)
+    figure.legend(loc="outside upper center", ncols=6, frameon=False, fontsize=12)
     figure.savefig(out / "map.png", dpi=110)
     plt.close(figure)
 
@@ -107,6 +107,13 @@ def write_pictures(out: Path, heard: Heard, start: SE2, solids: list[Solid], hei
     axes.legend(frameon=False, ncols=2, loc="lower right")
     figure.savefig(out / "errors.png", dpi=110)
     plt.close(figure)
+
+
+def write_overview(path: Path, image: np.ndarray) -> None:
+    """Write a picture, shape (H, W, 3), RGB uint8."""
+    from matplotlib.image import imsave
+
+    imsave(path, image)
 
 
 def write_report(out: Path, title: str, values: dict[str, Any], problem: str) -> None:
@@ -129,8 +136,12 @@ def write_report(out: Path, title: str, values: dict[str, Any], problem: str) ->
         "the laser. The robot steers by the mapper's pose."
     )
     rows = [[key, _flat(value)] for key, value in values.items() if key not in ("packages",)]
+    overview = out / "world.png"
+    text = "The world in pybullet, the robot at its start."
+    world_picture = [Section("World", [Picture(overview, text)])] if overview.exists() else []
     sections = [
         Section("", [shown, Picture(out / "map.png", caption)]),
+        *world_picture,
         Section("Error over time", [Picture(out / "errors.png", "Log scale; nothing fitted.")]),
         Section("All figures", [Table(["key", "value"], rows)]),
     ]
@@ -156,12 +167,16 @@ def _draw_map(axes: Any, heard: Heard, start: SE2) -> None:
     image.set_transform(Affine2D().rotate(T.yaw).translate(T.x, T.y) + axes.transData)
 
 
-def _draw_outline(axes: Any, solids: list[Solid]) -> None:
-    for k, solid in enumerate(solids):
+def _draw_outline(axes: Any, solids: list[Solid], height: float) -> None:
+    has_label = {True: False, False: False}
+    for solid in solids:
         corners = solid.outline()
         closed = np.vstack((corners, corners[:1]))
-        label = "true outline" if k == 0 else None
-        axes.plot(*closed.T, color="#2b7de0", lw=1.0, alpha=0.85, label=label)
+        is_seen = solid.is_at_height(height)
+        label = None if has_label[is_seen] else "true outline" if is_seen else "above or below"
+        has_label[is_seen] = True
+        width, alpha, style = (1.0, 0.85, "-") if is_seen else (0.8, 0.5, ":")
+        axes.plot(*closed.T, style, color="#2b7de0", lw=width, alpha=alpha, label=label)
 
 
 def _draw_tracks(axes: Any, heard: Heard, start: SE2) -> None:

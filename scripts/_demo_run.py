@@ -15,11 +15,19 @@ import numpy as np
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from _demo_report import figures, in_world, write_pictures, write_report, write_tum
+from _demo_report import (
+    figures,
+    in_world,
+    write_overview,
+    write_pictures,
+    write_report,
+    write_tum,
+)
 from _demo_watch import DemoWatch, Heard
 from _processes import ChildDiedError, Processes
 from floornav_common.reporting import Progress, say
 from sim_bridge.robot_model import load_robot
+from sim_bridge.simulation import Simulation
 from sim_bridge.solids import solids_of
 from sim_bridge.world import World
 
@@ -65,7 +73,7 @@ class Demo:
         try:
             with Processes(self._out / "logs", os.environ) as children:
                 self._drive(children, spin)
-            self.problem = "the robot touched something" if self._heard.has_touched else ""
+            self.problem = self._touch()
         except ChildDiedError as error:
             self.problem = str(error)
         finally:
@@ -91,6 +99,9 @@ class Demo:
         write_tum(self._out / "ground_truth.tum", self._heard.truth)
         solids = solids_of(self._world)
         write_pictures(self._out, self._heard, self._start, solids, self._laser_height())
+        simulation = Simulation(self._world, seed=self._args.seed)
+        write_overview(self._out / "world.png", simulation.overview())
+        simulation.close()
         title = f"floornav demo: {self._world.description or self._world.name}"
         write_report(self._out, title, values, self.problem)
 
@@ -105,6 +116,7 @@ class Demo:
         children.start("sim_bridge", self._commands()["sim_bridge"])
         children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
         self._watch(children, spin)
+        children.stop("route_follower")
         # The last map and the last scans are still under way.
         end = time.monotonic() + 2.0
         while time.monotonic() < end:
@@ -129,6 +141,13 @@ class Demo:
         children.check(may_end=("route_follower",))
         if total is None and heard.sim_s >= _LONGEST_S:
             raise ChildDiedError(f"the route was not driven in {_LONGEST_S:.0f} simulated seconds")
+
+    def _touch(self) -> str:
+        if not self._heard.has_touched:
+            return ""
+        at = self._heard.touched_at
+        where = f" at ({at.x:.2f}, {at.y:.2f})" if at is not None else ""
+        return f"the robot touched something{where}"
 
     def _percent(self) -> float:
         points = np.array(self._route.waypoints_m)
@@ -160,6 +179,7 @@ class Demo:
                 seed=str(self._args.seed),
                 real_time_factor=str(float(self._args.rtf)),
                 view=str(self._has_window).lower(),
+                pace_topics="[cmd_vel, pose]",
             ),
         }
         record = _SCRIPTS / "record.py"

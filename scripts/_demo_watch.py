@@ -30,6 +30,7 @@ class Heard:
         estimate: The mapper's poses in the map frame.
         num_scans: Scans the laser sent.
         has_touched: True once the robot touched something.
+        touched_at: Where it was then.
         grid: The newest map.
         grid_ns: Its stamp.
         path: Distance driven in truth, m.
@@ -40,6 +41,7 @@ class Heard:
     estimate: Track = field(default_factory=list)
     num_scans: int = 0
     has_touched: bool = False
+    touched_at: SE2 | None = None
     grid: OccupancyMap | None = None
     grid_ns: int = 0
     path: float = 0.0
@@ -89,4 +91,6 @@ class DemoWatch(Node):
         self.heard.grid_ns = stamp_to_ns(msg.header.stamp)
 
     def _on_contact(self, msg: Any) -> None:
-        self.heard.has_touched = self.heard.has_touched or bool(msg.data)
+        if msg.data and not self.heard.has_touched:
+            self.heard.has_touched = True
+            self.heard.touched_at = self.heard.truth[-1][1] if self.heard.truth else None

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 
+_PATIENCE_S = 8.0
+
+
 class ChildDiedError(RuntimeError):
     """A child ended that should not have; the text names it, its exit code and its last lines."""
 
@@ -95,25 +98,30 @@ class Processes:
         lines = self._children[name].log.read_text(errors="replace").splitlines()
         return "\n".join(f"  {line}" for line in lines[-num_lines:]) or "  (no output)"
 
-    def stop(self, name: str, timeout: float = 5.0) -> None:
+    def stop(self, name: str) -> None:
         """End one child with all it started: SIGINT, then SIGTERM, then SIGKILL."""
-        process = self._children[name].process
-        for signum, patience in ((signal.SIGINT, timeout), (signal.SIGTERM, 2.0)):
-            if process.poll() is not None:
-                break
-            _signal_group(process.pid, signum)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(patience)
-        _signal_group(process.pid, signal.SIGKILL)
-        process.wait()
+        if self.exit_code(name) is None:
+            _signal_group(self._children[name].process.pid, signal.SIGINT)
+        self._wait(name)
 
     def stop_all(self) -> None:
         """End every child; all are asked at once, so that this takes as long as the slowest."""
-        for child in self._children.values():
-            if child.process.poll() is None:
+        for name, child in self._children.items():
+            if self.exit_code(name) is None:
                 _signal_group(child.process.pid, signal.SIGINT)
         for name in self._children:
-            self.stop(name)
+            self._wait(name)
+
+    def _wait(self, name: str) -> None:
+        """Wait for a child that was asked to end, then be less polite."""
+        process = self._children[name].process
+        for patience, signum in ((_PATIENCE_S, signal.SIGTERM), (2.0, signal.SIGKILL)):
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(patience)
+                break
+            _signal_group(process.pid, signum)
+        process.wait()
+        _signal_group(process.pid, signal.SIGKILL)  # what it left behind
 
 
 def _signal_group(pid: int, signum: int) -> None:

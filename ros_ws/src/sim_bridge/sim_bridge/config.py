@@ -21,6 +21,16 @@ class SimBridgeConfig:
     lockstep: bool = param(False, "Go on only when `~/step` is called.")
     step_s: float = param(0.1, "How far `~/step` goes.", unit="s", ge=0.01, le=60.0)
     clock_period_s: float = param(0.02, "Simulated time between `/clock` messages.", unit="s", gt=0)
+    pace_topics: tuple[str, ...] = param(
+        (), "Topics that time waits for, such as `cmd_vel` and `pose`; none = no waiting.",
+        read_only=True,
+    )  # fmt: skip
+    pace_lag_s: float = param(
+        0.2, "How far time may run ahead of the last answer.", unit="s", gt=0.0, read_only=True
+    )
+    pace_timeout_s: float = param(
+        5.0, "Real time after which it goes on without.", unit="s", gt=0.0, read_only=True
+    )
     view: bool = param(False, "Show pybullet's window.", read_only=True)
     enable_stamped_cmd_vel: bool = param(
         False, "Take TwistStamped instead of Twist on `cmd_vel`.", read_only=True

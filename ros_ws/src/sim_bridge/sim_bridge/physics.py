@@ -118,6 +118,30 @@ class Physics:
         )
         return np.array([hit[2] if hit[0] >= 0 else math.inf for hit in hits])
 
+    def picture(
+        self,
+        eye: tuple[float, float, float],
+        target: tuple[float, float, float],
+        size: tuple[int, int],
+        fov_deg: float = 50.0,
+    ) -> np.ndarray:
+        """Return a picture of everything from a point, shape (height, width, 3), RGB uint8.
+
+        Args:
+            eye: Where the camera is, m.
+            target: Where it looks, m.
+            size: (width, height), pixels.
+            fov_deg: Vertical field of view.
+        """
+        engine, (width, height) = self._engine, size
+        view = engine.computeViewMatrix(eye, target, [0.0, 1.0, 0.0])
+        lens = engine.computeProjectionMatrixFOV(fov_deg, width / height, 0.1, 100.0)
+        image = engine.getCameraImage(
+            width, height, view, lens, shadow=0, lightDirection=[-4.0, -6.0, 14.0],
+            renderer=engine.ER_TINY_RENDERER, physicsClientId=self._client,
+        )[2]  # fmt: skip
+        return np.reshape(np.asarray(image, dtype=np.uint8), (height, width, 4))[:, :, :3]
+
     def _set_velocity(self, name: str, velocity: Velocity) -> None:
         # Along the middle direction of the step, with the chord of the arc: no curve is cut.
         turn = velocity.yaw_rate * self._dt

@@ -132,6 +132,18 @@ class Simulation:
         """Free the physics engine."""
         self._physics.close()
 
+    def overview(self, size: tuple[int, int] = (1320, 1000)) -> np.ndarray:
+        """Return a picture of the world from above, shape (height, width, 3), RGB uint8."""
+        corners = np.vstack([solid.outline() for solid in self.solids] or [np.zeros((1, 2))])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        middle, extent = (
+            (low + high) / 2.0,
+            float(max((high - low)[1], (high - low)[0] * 0.75, 1.0)),
+        )
+        target = (float(middle[0]), float(middle[1]) + 0.03 * extent, 0.0)
+        eye = (float(middle[0]), float(middle[1]) - 0.35 * extent, 1.45 * extent)
+        return self._physics.picture(eye, target, size)
+
     def step(self, commands: Mapping[str, Velocity]) -> Observations:
         """Go on by `STEP_NS`.
 

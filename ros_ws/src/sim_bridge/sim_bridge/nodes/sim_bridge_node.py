@@ -6,7 +6,8 @@ Out: `scan`, `odom` (drifting), `ground_truth/odom`, `ground_truth/contact` (lat
 Services: `~/reset`, `~/step` (Trigger).
 
 A robot with a name has its topics below that name and the name as prefix of its frames. All
-stamps are simulated time, which begins at 0 and goes back there on `~/reset`.
+stamps are simulated time, which begins at 0 and goes back there on `~/reset`. With `pace_topics`
+time waits, bounded, for those who publish them.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from floornav_common.ros.parameters import ParameterError, declare_config
 from floornav_common.ros.qos import CLOCK_QOS, create_publisher
 from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
 from sim_bridge.config import SimBridgeConfig
+from sim_bridge.nodes.pacing_listener import PacingListener
 from sim_bridge.nodes.robot_port import RobotPort
 from sim_bridge.physics import PybulletMissingError
 from sim_bridge.schema import WorldError
@@ -59,6 +61,7 @@ class SimBridgeNode(FloornavNode):
         self._clock_pub = create_publisher(self, ClockMsg, "/clock", CLOCK_QOS)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_service(Trigger, "~/step", self._on_step)
+        self._pace = PacingListener(self, self._config, lambda: self._sim.stamp_ns)
         self._owed_s, self._looked_at = 0.0, time.monotonic()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(_TIMER_PERIOD_S, self._on_timer, clock=steady)
@@ -68,6 +71,14 @@ class SimBridgeNode(FloornavNode):
         self._config = config
 
     def _on_timer(self) -> None:
+        try:
+            self._catch_up()
+        except Exception:
+            # A shutdown comes from another thread, so it may find us between two publishes.
+            if self.context.ok():
+                raise
+
+    def _catch_up(self) -> None:
         now = time.monotonic()
         factor = self._config.real_time_factor
         # What was missed for longer than a burst stays missed: time is slower, never jumpy.
@@ -76,8 +87,8 @@ class SimBridgeNode(FloornavNode):
             return
         self._owed_s = self._owed_s + factor * passed if factor else float("inf")
         while self._owed_s >= STEP_NS * 1e-9 and time.monotonic() - now < _MAX_BURST_S:
-            if not self.context.ok():
-                return
+            if not self._pace.may_go_on(now):
+                break
             self._owed_s -= STEP_NS * 1e-9
             self._step()
         self._owed_s = min(self._owed_s, max(factor, 1.0) * _MAX_BURST_S)
@@ -98,6 +109,7 @@ class SimBridgeNode(FloornavNode):
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._sim.reset()
+        self._pace.restart()
         for port in self._ports.values():
             port.take_command()
         self._clock_pub.publish(ClockMsg(clock=ns_to_stamp(0)))

@@ -1,0 +1,60 @@
+"""Hears the topics that simulated time waits for, whatever their types."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.qos import SENSOR_QOS
+from sim_bridge.config import SimBridgeConfig
+from sim_bridge.pacing import Pace
+
+_LOOK_PERIOD_S = 0.5
+
+
+class PacingListener:
+    """Feeds a `Pace` from topics as their publishers appear.
+
+    Args:
+        node: The node.
+        config: Topics and limits.
+        stamp_ns: Where simulated time is read.
+    """
+
+    def __init__(
+        self, node: FloornavNode, config: SimBridgeConfig, stamp_ns: Callable[[], int]
+    ) -> None:
+        """Wait for publishers."""
+        self._node, self._stamp_ns = node, stamp_ns
+        self._pace = Pace(config.pace_topics, config.pace_lag_s, config.pace_timeout_s)
+        self._unknown = {topic: node.resolve_topic_name(topic) for topic in config.pace_topics}
+        if self._unknown:
+            clock = node.time.steady_clock
+            self._timer = node.create_timer(_LOOK_PERIOD_S, self._look, clock=clock)
+
+    def may_go_on(self, now: float) -> bool:
+        """Tell whether time may go on, at a steady time (s)."""
+        stamp_ns = self._stamp_ns()
+        for topic in self._pace.give_up(stamp_ns, now):
+            self._node.get_logger().warning(f"{topic} does not answer: going on without it")
+        return not self._pace.late(stamp_ns)
+
+    def restart(self) -> None:
+        """Forget all answers."""
+        self._pace.restart()
+
+    def _look(self) -> None:
+        types = dict(self._node.get_topic_names_and_types())
+        for topic, full_name in list(self._unknown.items()):
+            if full_name in types and self._node.count_publishers(full_name):
+                del self._unknown[topic]
+                self._subscribe(topic, types[full_name][0])
+
+    def _subscribe(self, topic: str, type_name: str) -> None:
+        def on_message(_: bytes) -> None:
+            self._pace.heard(topic, self._stamp_ns())
+
+        package, _, name = type_name.partition("/msg/")
+        msg_type = getattr(import_module(f"{package}.msg"), name)
+        self._node.create_subscription(msg_type, topic, on_message, SENSOR_QOS, raw=True)
