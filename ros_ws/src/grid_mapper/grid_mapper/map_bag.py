@@ -59,8 +59,8 @@ def main(argv: list[str] | None = None) -> int:
         text = write_results(out, inputs, recording, run, mapper.occupancy(), summary)
     say(text, is_quiet=args.quiet)
     say(f"results: {out}", is_quiet=args.quiet)
-    if recording.problem is not None:
-        print(f"error: {recording.problem}; the results are marked partial", file=sys.stderr)
+    if summary["problem"] is not None:
+        print(f"error: {summary['problem']}; the results are marked partial", file=sys.stderr)
     if run.is_interrupted:
         print("stopped; results so far are marked partial", file=sys.stderr)
     return 0 if summary["ok"] else 1

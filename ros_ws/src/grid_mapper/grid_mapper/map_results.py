@@ -31,6 +31,7 @@ SUMMARY_KEYS = (
     "relations_used", "relations_total", "relations_worst", "ate_m", "rpe_m", "gt_poses",
     "ms_median", "ms_p99", "peak_mb", "input", "input_format", "input_info", "problem",
 )  # fmt: skip
+NO_MAP = "no scan had enough points to begin a map"
 NUM_WORST = 5
 NUM_REASONS = 5
 
@@ -72,23 +73,33 @@ def write_results(
         The figures as text for the screen.
     """
     summary.update(_figures(inputs, recording, run))
-    is_whole = recording.problem is None and not run.is_interrupted
-    summary.update(ok=is_whole, partial=not is_whole)
-    save_map(out / "map", occupancy)
     write_atomic(out / "trajectory.tum", format_tum(run.trajectory))
-    title = f"{inputs.name}: {len(run.trajectory)} scans, {summary['path_m']:.1f} m"
-    write_atomic(out / "map.png", draw_map(occupancy, run.trajectory, title))
-    errors = None
+    has_map = occupancy.cells.size > 0
+    if has_map:
+        save_map(out / "map", occupancy)
+        title = f"{inputs.name}: {len(run.trajectory)} scans, {summary['path_m']:.1f} m"
+        write_atomic(out / "map.png", draw_map(occupancy, run.trajectory, title))
+    else:
+        summary["problem"] = summary["problem"] or NO_MAP
+    is_whole = summary["problem"] is None and not run.is_interrupted
+    summary.update(ok=is_whole, partial=not is_whole)
+    _compare(inputs, run, summary)
+    write_html(out, f"Map of {inputs.name}", _sections(out, inputs, summary, run), inputs.format)
+    return screen_text(summary)
+
+
+def _compare(inputs: MapInputs, run: MapRun, summary: dict[str, Any]) -> None:
+    """Fill in the errors against relations and ground truth, where asked for."""
     if inputs.relations is not None:
         errors = relation_errors(
-            run.trajectory, inputs.relations, inputs.relations_tolerance_ns,
+            run.trajectory,
+            inputs.relations,
+            inputs.relations_tolerance_ns,
             inputs.relations_offset_ns,
-        )  # fmt: skip
+        )
         summary.update(relation_figures(errors))
     if inputs.truth is not None:
         summary.update(_truth_figures(run, inputs.truth))
-    write_html(out, f"Map of {inputs.name}", _sections(out, inputs, summary, run), inputs.format)
-    return screen_text(summary)
 
 
 def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, Any]:
@@ -200,8 +211,10 @@ def _sections(out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun
         ("way", f"{summary['path_m']:.1f} m"),
         ("ms per scan", "-" if summary["ms_median"] is None else f"{summary['ms_median']:.2f}"),
     ])  # fmt: skip
+    picture = out / "map.png"
+    pictures = [Picture(picture, "dark: obstacle, white: free")] if picture.exists() else []
     sections = [
-        Section("Map", [figures, Picture(out / "map.png", "dark: obstacle, white: free")]),
+        Section("Map", [figures, *pictures]),
         Section("How it was read", list(inputs.info)),
         Section("Figures", screen_text(summary).splitlines()),  # type: ignore[arg-type]
     ]

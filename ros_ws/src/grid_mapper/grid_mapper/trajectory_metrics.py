@@ -44,7 +44,8 @@ def format_tum(trajectory: Trajectory) -> str:
         sign = "-" if stamp_ns < 0 else ""
         seconds, ns = divmod(abs(stamp_ns), 1_000_000_000)
         quat = f"{float(np.sin(half))!r} {float(np.cos(half))!r}"
-        lines.append(f"{sign}{seconds}.{ns:09d} {pose.x!r} {pose.y!r} 0.0 0.0 0.0 {quat}\n")
+        xy = f"{float(pose.x)!r} {float(pose.y)!r}"
+        lines.append(f"{sign}{seconds}.{ns:09d} {xy} 0.0 0.0 0.0 {quat}\n")
     return "".join(lines)
 
 

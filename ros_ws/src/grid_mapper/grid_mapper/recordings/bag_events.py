@@ -60,6 +60,8 @@ class Lockstep:
         self._odom = PoseTrack()
         self._waiting: list[Waiting] = []
         self._num_taken = 0
+        self._newest_ns: dict[str, int] = {}
+        self._has_restarted = False
         self._set_transforms(choice.statics, is_static=True)
 
     def take(self, message: Message, content: Any) -> Iterator[Event]:
@@ -69,7 +71,7 @@ class Lockstep:
         elif message.topic == self._choice.odom_topic:
             self._take_odometry(content)
         else:
-            yield from self._take_reading(message, content)
+            self._take_reading(message, content)
         yield from self._ready()
 
     def finish(self) -> None:
@@ -79,27 +81,41 @@ class Lockstep:
 
     def _set_transforms(self, transforms: Iterable[StampedTransform], is_static: bool) -> None:
         for parent, child, stamp_ns, xyz, quat_xyzw in transforms:
+            if not is_static and parent.removeprefix("/") == self._choice.odom_frame:
+                self._watch_motion(child, stamp_ns)
             try:
                 self._buffer.set_transform(parent, child, stamp_ns, xyz, quat_xyzw, is_static)
             except ValueError:
                 self._counts.malformed += 1
 
+    def _watch_motion(self, source: str, stamp_ns: int) -> None:
+        """Start again if the stamps of a frame or of the odometry jump back."""
+        newest_ns = self._newest_ns.get(source, stamp_ns)
+        if newest_ns - stamp_ns > JUMP_NS:
+            self._restart()
+            self._has_restarted = True
+        self._newest_ns[source] = max(self._newest_ns.get(source, stamp_ns), stamp_ns)
+
+    def _restart(self) -> None:
+        """Forget what belongs to the time before a jump; readings that still wait are counted."""
+        self.finish()
+        self._buffer.clear()
+        self._odom.clear()
+        self._newest_ns.clear()
+
     def _take_odometry(self, content: Any) -> None:
         stamp_ns, T_odom_base = odometry_from(content)
-        newest_ns = self._odom.newest_ns()
-        if newest_ns is not None and newest_ns - stamp_ns > JUMP_NS:
-            self._odom.clear()
+        self._watch_motion("odometry", stamp_ns)
         self._odom.add(stamp_ns, T_odom_base)
         self._odom.forget_before(stamp_ns - KEEP_ODOM_NS)
 
-    def _take_reading(self, message: Message, content: Any) -> Iterator[Event]:
+    def _take_reading(self, message: Message, content: Any) -> None:
         stamp_ns = stamp_ns_of(content)
         jumped = message.topic == self._choice.scan_topic and self._watch.is_jump(stamp_ns)
+        if jumped and not self._has_restarted:
+            self._restart()
         if jumped:
-            yield from self._ready()
-            self.finish()
-            self._buffer.clear()
-            self._odom.clear()
+            self._has_restarted = False
         self._num_taken += 1
         reading = Waiting(stamp_ns, self._num_taken, content, message.topic, jumped)
         heapq.heappush(self._waiting, reading)

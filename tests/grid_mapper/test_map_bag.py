@@ -1,0 +1,214 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from recording_builders import (
+    NS,
+    START_NS,
+    data_file,
+    drive,
+    scan_message,
+    tf_message,
+    transform,
+    write_bag,
+)
+
+from floornav_common.reporting import UserError, run_command
+from floornav_common.se2 import SE2
+from grid_mapper.map_bag import main
+from grid_mapper.map_results import SUMMARY_KEYS
+from grid_mapper.trajectory_metrics import format_tum, load_tum
+
+HALF_ROOM_M = 3.0
+NUM_ROOM_BEAMS = 360
+RESULT_FILES = {
+    "map.yaml", "map.pgm", "map.png", "trajectory.tum", "summary.json", "report.html",
+}  # fmt: skip
+
+
+def room_ranges(x: float) -> np.ndarray:
+    """Return ranges in a square room, seen from (x, 0) without turning."""
+    angles = np.linspace(-np.pi, np.pi, NUM_ROOM_BEAMS, endpoint=False)
+    c, s = np.cos(angles), np.sin(angles)
+    with np.errstate(divide="ignore"):
+        to_x = np.where(c > 0, (HALF_ROOM_M - x) / c, (-HALF_ROOM_M - x) / c)
+        to_y = HALF_ROOM_M / np.abs(s)
+    return np.minimum(np.abs(to_x), to_y)
+
+
+def room_bag(path, num_scans=20, storage="mcap"):
+    """Write a drive of 0.05 m a scan through the room, with odometry that is right."""
+    step_ns = NS // 10
+    messages = [
+        ("/tf_static", START_NS, tf_message(transform(START_NS, "base_link", "laser"))),
+        ("/tf", START_NS, tf_message(transform(START_NS, "odom", "base_link"))),
+    ]
+    for i in range(num_scans):
+        stamp_ns, x = START_NS + i * step_ns, 0.05 * i
+        scan = scan_message(stamp_ns, room_ranges(x))
+        scan.angle_min, scan.angle_increment = -np.pi, 2 * np.pi / NUM_ROOM_BEAMS
+        odom = tf_message(transform(stamp_ns, "odom", "base_link", x=x))
+        messages += [("/scan", stamp_ns + 1, scan), ("/tf", stamp_ns + 2, odom)]
+    return write_bag(path, messages, storage)
+
+
+def run(*args) -> int:
+    return run_command(lambda: main([str(arg) for arg in args]))
+
+
+def summary_of(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_a_room_becomes_a_map_and_a_trajectory(tmp_path, capsys):
+    out = tmp_path / "out"
+    assert run(room_bag(tmp_path / "room"), "--out", out) == 0
+    assert {f.name for f in out.iterdir()} == RESULT_FILES
+    summary = summary_of(out)
+    assert set(SUMMARY_KEYS) <= set(summary)
+    assert (summary["scans"], summary["scans_used"], summary["ok"]) == (20, 20, True)
+    assert summary["path_m"] == pytest.approx(0.95, abs=0.02)
+    assert summary["relations_trans_m"] is None and summary["ate_m"] is None
+    last = load_tum(out / "trajectory.tum")[-1][1]
+    assert last.x == pytest.approx(0.95, abs=0.01) and last.y == pytest.approx(0.0, abs=0.01)
+    assert "scans: 20, used 20" in capsys.readouterr().out
+
+
+def test_same_input_same_bytes(tmp_path):
+    bag = room_bag(tmp_path / "room")
+    for name in ("a", "b"):
+        assert run(bag, "--out", tmp_path / name, "--quiet") == 0
+    for name in ("map.pgm", "map.yaml", "map.png", "trajectory.tum"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+def test_relations_and_ground_truth_are_measured(tmp_path, capsys):
+    start, end = START_NS // NS, START_NS / NS + 1.0
+    relations = tmp_path / "relations"
+    relations.write_text(f"{start}.0 {end} 0.5 0 0 0 0 0\n7.0 8.0 1 0 0 0 0 0\n")
+    truth = tmp_path / "truth.tum"
+    poses = [(START_NS + i * NS // 10, SE2(3.0, 0.05 * i, np.pi / 2)) for i in range(20)]
+    truth.write_text(format_tum(poses))
+    out = tmp_path / "out"
+    bag = room_bag(tmp_path / "room")
+    assert run(bag, "--relations", relations, "--gt", truth, "--out", out) == 0
+    summary = summary_of(out)
+    assert (summary["relations_used"], summary["relations_total"]) == (1, 2)
+    assert summary["relations_trans_m"] < 0.01 and summary["relations_rot_deg"] < 0.5
+    assert summary["relations_trans_std_m"] == 0.0 and len(summary["relations_worst"]) == 1
+    assert summary["ate_m"] < 0.01 and summary["rpe_m"] < 0.01 and summary["gt_poses"] == 20
+    assert "relations: 1 of 2 matched" in capsys.readouterr().out
+
+
+def test_max_scans_and_a_folder_that_exists(tmp_path, capsys):
+    bag = room_bag(tmp_path / "room")
+    for _ in range(2):
+        assert run(bag, "--max-scans", 3, "--out", tmp_path / "out") == 0
+    assert summary_of(tmp_path / "out-2")["scans_used"] == 3
+    assert "out-2" in capsys.readouterr().err
+
+
+def test_config_is_read_and_unknown_keys_are_refused(tmp_path):
+    bag = room_bag(tmp_path / "room")
+    good, bad = tmp_path / "good.yaml", tmp_path / "bad.yaml"
+    good.write_text("resolution_m: 0.1\nlabel.noise_points: 2\nbase_frame: base_link\n")
+    bad.write_text("grid_mapper:\n  ros__parameters:\n    label:\n      noise_point: 2\n")
+    assert run(bag, "--config", good, "--out", tmp_path / "out", "--quiet") == 0
+    assert "resolution: 0.1" in (tmp_path / "out" / "map.yaml").read_text()
+    with pytest.raises(UserError, match="label.noise_points"):
+        main([str(bag), "--config", str(bad), "--out", str(tmp_path / "bad")])
+    assert not (tmp_path / "bad").exists()
+
+
+@pytest.mark.parametrize(
+    ("args", "expected"),
+    [(["missing"], "does not exist"), (["bag"], "--laser-pose"),
+     (["bag", "--scan-topic", "/left"], "/left"), (["room", "--relations", "missing"], "missing"),
+     (["room", "--gt", "missing"], "missing"), (["room", "--config", "missing"], "missing"),
+     (["room", "--half-axle", "0"], "half_axle_m")],
+)  # fmt: skip
+def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, monkeypatch, capsys, args, expected):
+    monkeypatch.chdir(tmp_path)
+    write_bag(tmp_path / "bag", drive(2, has_static=False))
+    room_bag(tmp_path / "room", 2)
+    assert run(*args, "--out", "out") == 2
+    error = capsys.readouterr().err
+    assert expected in error and error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_laser_pose_and_no_odom_make_a_bare_bag_usable(tmp_path):
+    bag = write_bag(
+        tmp_path / "bare",
+        [("/scan", i, scan_message(START_NS + i * NS, room_ranges(0.0))) for i in range(3)],
+    )
+    assert run(bag, "--no-odom", "--out", tmp_path / "a") == 2
+    options = ["--laser-pose", "0.1", "0", "0", "--no-odom", "--out"]
+    assert run(bag, *options, tmp_path / "a", "--quiet") == 0
+    assert summary_of(tmp_path / "a")["scans_used"] == 3
+
+
+def test_scans_without_a_point_leave_a_trajectory_and_say_so(tmp_path, capsys):
+    nothing = [np.inf] * NUM_ROOM_BEAMS
+    bag = write_bag(
+        tmp_path / "dark", [("/scan", i, scan_message(START_NS + i, nothing)) for i in range(3)]
+    )
+    options = ["--laser-pose", "0", "0", "0", "--no-odom", "--out"]
+    assert run(bag, *options, tmp_path / "out") == 1
+    assert "no scan had enough points" in capsys.readouterr().err
+    assert summary_of(tmp_path / "out")["scans_untrusted"] == 3
+    assert len(load_tum(tmp_path / "out" / "trajectory.tum")) == 3
+
+
+def test_list_shows_topics_and_maps_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(room_bag(tmp_path / "room"), "--list") == 0
+    text = capsys.readouterr().out
+    assert "* /scan" in text and "sensor_msgs/msg/LaserScan" in text and "Hz" in text
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_cut_off_bag_gives_partial_results_and_exit_1(tmp_path, capsys):
+    bag = room_bag(tmp_path / "room", 300, "sqlite3")
+    file = bag / "room.db3"
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    assert run(bag, "--out", tmp_path / "out", "--quiet") == 1
+    summary = summary_of(tmp_path / "out")
+    assert (summary["ok"], summary["partial"]) == (False, True)
+    assert 10 < summary["scans_used"] < 300
+    assert "cut off" in summary["problem"]
+    assert {f.name for f in (tmp_path / "out").iterdir()} == RESULT_FILES
+
+
+def test_ctrl_c_leaves_the_results_so_far_marked_partial(tmp_path):
+    bag = room_bag(tmp_path / "room", 3000)
+    code = "import sys; from grid_mapper.map_bag import run; sys.argv[0] = 'map_bag'; run()"
+    command = [sys.executable, "-c", code, str(bag), "--out", str(tmp_path / "out")]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "1"}
+    )
+    assert process.stdout is not None
+    while "mapping" not in process.stdout.readline():
+        assert process.poll() is None
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    assert process.returncode == 1
+    summary = summary_of(tmp_path / "out")
+    assert (summary["ok"], summary["partial"]) == (False, True)
+    assert 0 < summary["scans_used"] < 3000
+    assert (tmp_path / "out" / "map.png").exists()
+
+
+def test_the_intel_lab_comes_out_far_better_than_its_odometry(tmp_path):
+    log = data_file("intel-lab/intel_keyframes_rawodom_corrected.log.gz")
+    relations = data_file("intel-lab/intel.relations.gz")
+    assert run(log, "--relations", relations, "--out", tmp_path / "out", "--quiet") == 0
+    summary = summary_of(tmp_path / "out")
+    assert summary["relations_used"] == 108
+    assert summary["relations_trans_m"] < 0.5  # raw odometry: 4.09 m
