@@ -1,0 +1,92 @@
+"""scripts/demo.py as a user starts it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("rclpy", reason="no ROS: the demo talks over DDS")
+pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
+pytest.importorskip("grid_mapper.nodes.grid_mapper_node", reason="no grid_mapper node")
+
+ROOT = Path(__file__).resolve().parents[2]
+TIMEOUT_S = 120.0
+KEYS = (
+    "command", "version", "seed", "machine", "python", "packages", "wall_s", "ok", "world",
+    "sim_s", "rtf", "path_m", "scans", "scans_used", "ate_m", "final_error_m",
+    "odometry_final_error_m", "map_error_m", "touched", "bag",
+)  # fmt: skip
+
+
+def _start(*words: str) -> subprocess.Popen[str]:
+    environ = {**os.environ, "FLOORNAV_ENV_READY": "1"}
+    environ.pop("ROS_DOMAIN_ID", None)
+    command = [sys.executable, str(ROOT / "scripts" / "demo.py"), "--headless", *words]
+    return subprocess.Popen(
+        command, env=environ, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+
+
+def _run(*words: str) -> tuple[int, str]:
+    process = _start(*words)
+    text, _ = process.communicate(timeout=TIMEOUT_S)
+    return process.returncode, text
+
+
+def test_a_short_run_leaves_all_its_results(tmp_path: Path) -> None:
+    code, text = _run("--duration", "6", "--seed", "3", "--out", str(tmp_path / "out"))
+    assert code == 0, text
+    out = tmp_path / "out"
+    summary = json.loads((out / "summary.json").read_text())
+    assert set(KEYS) <= set(summary)
+    assert summary["ok"] and not summary["partial"] and summary["seed"] == 3
+    assert summary["path_m"] > 1.0 and summary["scans_used"] > 20
+    assert summary["ate_m"]["rms"] < 0.1 and summary["map_error_m"] < 0.1
+    names = ("map.png", "errors.png", "world.png", "trajectory.tum", "ground_truth.tum")
+    for name in (*names, "report.html"):
+        assert (out / name).stat().st_size > 100, name
+    assert (out / summary["bag"] / "metadata.yaml").exists()
+    assert len((out / "trajectory.tum").read_text().splitlines()[0].split()) == 8
+
+
+def test_an_unknown_world_is_one_line_that_names_those_there_are() -> None:
+    code, text = _run("nowhere")
+    assert code == 2
+    assert text.count("\n") == 1 and "furnished_floor" in text
+
+
+def test_ctrl_c_ends_all_children_and_marks_the_results_partial(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    process = _start("--out", str(out))
+    log = out / "logs" / "sim_bridge.log"
+    end = time.monotonic() + TIMEOUT_S
+    while not (log.exists() and "ready" in log.read_text()):
+        assert process.poll() is None and time.monotonic() < end
+        time.sleep(0.2)
+    time.sleep(2.0)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=TIMEOUT_S)
+    assert process.returncode == 1
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["partial"] and not summary["ok"]
+    assert not _running_with(str(out))
+
+
+def _running_with(text: str) -> list[str]:
+    """Return the command lines of processes that mention a text."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            line = path.read_bytes().replace(b"\0", b" ").decode(errors="replace")
+        except OSError:
+            continue
+        if text in line and str(os.getpid()) != path.parent.name:
+            found.append(line)
+    return found

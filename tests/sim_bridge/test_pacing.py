@@ -1,0 +1,41 @@
+"""Waiting for answers, in hand-made time."""
+
+from sim_bridge.pacing import Pace
+
+S = 1_000_000_000
+
+
+def test_nobody_is_waited_for_before_its_first_message() -> None:
+    assert Pace(["pose"], 0.2, 5.0).late(100 * S) == []
+
+
+def test_time_waits_until_the_late_one_answers() -> None:
+    pace = Pace(["pose", "cmd_vel"], 0.2, 5.0)
+    pace.heard("pose", S)
+    pace.heard("cmd_vel", S)
+    assert pace.late(S + S // 10) == []
+    pace.heard("cmd_vel", S + S // 5)
+    assert pace.late(S + S // 5) == ["pose"]
+    pace.heard("pose", S + S // 5)
+    assert pace.late(S + S // 5) == []
+
+
+def test_waiting_is_bounded_and_the_late_one_may_come_back() -> None:
+    pace = Pace(["pose"], 0.2, 5.0)
+    pace.heard("pose", 0)
+    assert pace.give_up(S, 10.0) == []
+    assert pace.give_up(S, 14.9) == []
+    assert pace.give_up(S, 15.0) == ["pose"]
+    assert pace.late(S) == []
+    pace.heard("pose", 2 * S)
+    assert pace.late(3 * S) == ["pose"]
+
+
+def test_a_wait_that_ended_does_not_count_for_the_next() -> None:
+    pace = Pace(["pose"], 0.2, 5.0)
+    pace.heard("pose", 0)
+    assert pace.give_up(S, 0.0) == []
+    pace.heard("pose", S)
+    assert pace.give_up(S, 4.0) == []
+    assert pace.give_up(2 * S, 6.0) == []
+    assert pace.late(2 * S) == ["pose"]
