@@ -9,8 +9,7 @@ S = 1_000_000_000
 
 def run(watch: TimeWatch, deadline: Deadline, steady_s: float, rate: float) -> None:
     """Let steady time pass in steps of 0.1 s with `/clock` at a rate; nothing is fed."""
-    sim = watch.now_ns
-    steady = watch._steady_ns
+    sim, steady = watch._sim_ns or 0, watch._steady_ns or 0
     for i in range(1, round(steady_s * 10) + 1):
         watch.update(steady + i * S // 10, int(sim + i * rate * S / 10))
         deadline.is_over(watch.now_ns)
@@ -77,6 +76,16 @@ def test_a_clock_that_never_comes_is_stopped() -> None:
     assert watch.is_stopped and watch.stopped_for_ns == 2 * S
 
 
+def test_the_first_clock_is_no_silence() -> None:
+    watch, deadline = TimeWatch(), Deadline(S // 2)
+    watch.update(1 * S, 0)
+    deadline.feed(watch.now_ns)
+    assert not watch.update(1 * S + 1, 1_700_000_000 * S)
+    assert not deadline.is_over(watch.now_ns)
+    watch.update(1 * S + 2, 1_700_000_001 * S)
+    assert deadline.is_over(watch.now_ns)
+
+
 def test_a_clock_that_jumps_back_starts_everything_afresh() -> None:
     watch, deadline = TimeWatch(), Deadline(S // 2)
     calls: list[str] = []
@@ -97,7 +106,7 @@ def test_a_change_to_simulated_time_and_back_starts_afresh() -> None:
     assert not watch.update(1 * S, None)
     assert watch.update(2 * S, 0)
     assert watch.update(3 * S, None)
-    assert not watch.is_stopped and watch.now_ns == 3 * S
+    assert not watch.is_stopped and not watch.is_simulated
 
 
 def test_a_jump_ahead_is_time_that_passed() -> None:

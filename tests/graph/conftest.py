@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import signal
 import socket
@@ -15,7 +16,8 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
+# Without ROS no node can be started: there is nothing to collect here.
+collect_ignore_glob = [] if importlib.util.find_spec("rclpy") else ["test_*.py"]
 
 DISCOVERY_S = 10.0  # discovery takes 0.1 s, now and then 3 s
 SETTLE_S = 0.3  # the other side of a match hears of it a moment later

@@ -4,6 +4,9 @@ On a robot silence is counted on the steady clock, which nobody sets. In simulat
 in simulated time, so that a tenth of real time, ten times or a pause changes nothing; then a
 `/clock` that stands still is a fault of its own, and one that jumps back starts everything afresh.
 Nothing here reads a clock: both times are handed in.
+
+Silence is a difference, so what is handed out is a count of the time that passed on the clock
+that counts: it never runs back, and the first `/clock` after a start is no silence of fifty years.
 """
 
 from __future__ import annotations
@@ -23,15 +26,16 @@ class TimeWatch:
     def __init__(self, stopped_after_ns: int = STOPPED_AFTER_NS) -> None:
         """Start before the first update."""
         self._stopped_after_ns = stopped_after_ns
-        self._steady_ns = 0
+        self._steady_ns: int | None = None
         self._sim_ns: int | None = None
-        self._moved_at_ns: int | None = None
+        self._passed_ns = 0
+        self._moved_at_ns = 0
         self._on_restart: list[Callable[[], None]] = []
 
     @property
     def now_ns(self) -> int:
-        """The time silence is counted on: simulated if there is one, else steady, ns."""
-        return self._steady_ns if self._sim_ns is None else self._sim_ns
+        """Time passed since the first update on the clock silence is counted on, ns."""
+        return self._passed_ns
 
     @property
     def is_simulated(self) -> bool:
@@ -41,7 +45,9 @@ class TimeWatch:
     @property
     def stopped_for_ns(self) -> int:
         """How long `/clock` has stood still, in steady time, ns; 0 without simulated time."""
-        return 0 if self._moved_at_ns is None else self._steady_ns - self._moved_at_ns
+        if self._sim_ns is None or self._steady_ns is None:
+            return 0
+        return self._steady_ns - self._moved_at_ns
 
     @property
     def is_stopped(self) -> bool:
@@ -58,18 +64,22 @@ class TimeWatch:
         Returns:
             Whether time started afresh; callbacks have been called.
         """
-        is_first = self._sim_ns is None and self._moved_at_ns is None and self._steady_ns == 0
-        has_changed_kind = (sim_ns is None) != (self._sim_ns is None) and not is_first
-        has_jumped = sim_ns is not None and self._sim_ns is not None and sim_ns < self._sim_ns
-        if sim_ns is None:
-            self._moved_at_ns = None
-        elif self._moved_at_ns is None or sim_ns != self._sim_ns:
-            self._moved_at_ns = steady_ns
+        before_steady_ns, before_sim_ns = self._steady_ns, self._sim_ns
         self._steady_ns, self._sim_ns = steady_ns, sim_ns
-        if has_jumped or has_changed_kind:
-            for callback in self._on_restart:
-                callback()
-        return has_jumped or has_changed_kind
+        if sim_ns != before_sim_ns:
+            self._moved_at_ns = steady_ns
+        if before_steady_ns is None:
+            return False
+        if sim_ns is None and before_sim_ns is None:
+            self._passed_ns += steady_ns - before_steady_ns
+            return False
+        if sim_ns is not None and before_sim_ns is not None and sim_ns >= before_sim_ns:
+            # 0 is a clock that has not come yet.
+            self._passed_ns += sim_ns - before_sim_ns if before_sim_ns else 0
+            return False
+        for callback in self._on_restart:
+            callback()
+        return True
 
 
 class Deadline:

@@ -67,10 +67,9 @@ def refuse_unknown_parameters(node: Node) -> None:
     Raises:
         ParameterError: Naming them, and the nearest names that exist.
     """
-    known = [name for name in _overrides(node) if node.has_parameter(name)]
-    all_names = [*known, *_declared(node)]
+    declared = node.get_parameters_by_prefix("")
     try:
-        config_files.refuse_unknown(_overrides(node), all_names, node.get_fully_qualified_name())
+        config_files.refuse_unknown(_overrides(node), declared, node.get_fully_qualified_name())
     except ValueError as error:
         raise ParameterError(str(error)) from error
 
@@ -78,10 +77,6 @@ def refuse_unknown_parameters(node: Node) -> None:
 def _overrides(node: Node) -> dict[str, Parameter]:
     # rclpy has no public way to read what was given but never declared.
     return dict(node._parameter_overrides)
-
-
-def _declared(node: Node) -> list[str]:
-    return list(node.get_parameters_by_prefix(""))
 
 
 def _descriptor(field: Any, hint: Any) -> ParameterDescriptor:
@@ -104,25 +99,21 @@ def _descriptor(field: Any, hint: Any) -> ParameterDescriptor:
 
 
 def _watch(
-    node: Node,
-    config: C,
-    names: dict[str, str],
-    prefix: str,
-    on_change: Callable[[C], None] | None,
+    node: Node, config: C, names: dict[str, str], prefix: str, on_change: Callable[[C], None] | None
 ) -> None:
     current = config
 
     def changed(parameters: list[Parameter]) -> C:
         values = {names[p.name]: p.value for p in parameters if p.name in names}
-        kept = {f.name: getattr(current, f.name) for f in fields(current)}  # type: ignore[arg-type]
+        kept = {field: getattr(current, field) for field in names.values()}
         return config_files.config_from_mapping(type(current), {**kept, **values}, prefix)
 
     def check(parameters: list[Parameter]) -> SetParametersResult:
         try:
             changed(parameters)
+            return SetParametersResult(successful=True)
         except ValueError as error:
             return SetParametersResult(successful=False, reason=str(error))
-        return SetParametersResult(successful=True)
 
     def apply(parameters: list[Parameter]) -> None:
         nonlocal current

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def limit_threads(num_threads: int) -> None:
@@ -21,6 +21,9 @@ def limit_threads(num_threads: int) -> None:
     if "numba" in sys.modules:
         numba = sys.modules["numba"]
         numba.set_num_threads(min(num_threads, numba.config.NUMBA_NUM_THREADS))
+    else:
+        # Once numba runs it refuses to see its variable changed.
+        os.environ.setdefault("NUMBA_NUM_THREADS", str(num_threads))
     try:
         from threadpoolctl import threadpool_limits
     except ImportError:

@@ -8,7 +8,13 @@ from typing import Any
 from rclpy.node import Node
 
 from floornav_common.ros.messages import ns_to_stamp, stamp_to_ns, transform_to_msg
-from floornav_common.ros.qos import TF_QOS, TF_STATIC_QOS, create_publisher, create_subscription
+from floornav_common.ros.qos import (
+    LATCHED_QOS,
+    TF_QOS,
+    TF_STATIC_QOS,
+    create_publisher,
+    create_subscription,
+)
 from floornav_common.time_watch import Throttle
 from floornav_common.transform3 import Transform3
 from floornav_common.transform_buffer import TransformBuffer
@@ -142,8 +148,7 @@ class StaticTransformBroadcaster:
         if self._message is None:
             node.get_logger().error(NO_TF)
             return
-        qos = TF_STATIC_QOS
-        self._publisher = create_publisher(node, self._message, "/tf_static", qos)
+        self._publisher = create_publisher(node, self._message, "/tf_static", LATCHED_QOS)
 
     def send(self, parent: str, child: str, stamp_ns: int, transform: Transform3) -> None:
         """Send `T_parent_child`, together with all sent before."""
