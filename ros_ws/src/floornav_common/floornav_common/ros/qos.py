@@ -145,7 +145,7 @@ def lost_text(topic: str, num_lost: int, others: list[str]) -> str:
     names = " and ".join(others) or "its publisher"
     key = f"qos_overrides.{topic}.subscription.reliability"
     return (
-        f"{topic}: {num_lost} messages from {names} got lost; start both sides with the Fast DDS "
+        f"{topic}: messages from {names} get lost, {num_lost} so far; start both with the Fast DDS "
         f"profile (FASTRTPS_DEFAULT_PROFILES_FILE), or this node with -p {key}:=reliable"
     )
 
