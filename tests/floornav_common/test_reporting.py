@@ -23,10 +23,11 @@ _HEAD = ["command", "version", "seed", "machine", "python", "packages", "wall_s"
 
 
 @pytest.fixture(autouse=True)
-def _keep_sigterm():
-    before = signal.getsignal(signal.SIGTERM)
+def _keep_signals():
+    before = {signum: signal.getsignal(signum) for signum in (signal.SIGINT, signal.SIGTERM)}
     yield
-    signal.signal(signal.SIGTERM, before)
+    for signum, handler in before.items():
+        signal.signal(signum, handler)
 
 
 def test_summary_begins_with_the_common_keys_and_has_null_for_nan(tmp_path: Path) -> None:

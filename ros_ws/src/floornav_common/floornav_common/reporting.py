@@ -182,8 +182,9 @@ def run_command(main: Callable[[], int | None]) -> int:
     A `UserError` is one line and 2; Ctrl-C or SIGTERM is one line and 1; any other exception
     shows its traceback and is 1.
     """
-    if hasattr(signal, "SIGTERM"):
-        signal.signal(signal.SIGTERM, _on_terminate)
+    # SIGINT too: a shell that starts a command in the background leaves it ignored.
+    for signum in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(signum, _on_stop_signal)
     try:
         code = main()
         return 0 if code is None else code
@@ -201,7 +202,7 @@ def run_command(main: Callable[[], int | None]) -> int:
         return 1
 
 
-def _on_terminate(signum: int, frame: object) -> NoReturn:
+def _on_stop_signal(signum: int, frame: object) -> NoReturn:
     raise KeyboardInterrupt
 
 
