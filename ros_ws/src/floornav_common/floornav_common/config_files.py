@@ -7,9 +7,10 @@ nothing. Here it is refused by name, with the nearest name that exists.
 from __future__ import annotations
 
 import difflib
+import functools
 import typing
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import Field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -52,22 +53,52 @@ def load_config(
 def config_from_mapping(config_class: type[C], values: Mapping[str, Any], prefix: str = "") -> C:
     """Build a configuration from field values as YAML and ROS give them (lists, ints for floats).
 
+    Args:
+        config_class: Frozen dataclass; a field that is itself a configuration is a group.
+        values: By field name; a value of a group by `group.field`.
+        prefix: Group that the whole stands in, for the error's text.
+
     Raises:
         ValueError: If a value has the wrong type or is out of range; names it and its range.
     """
     hints = typing.get_type_hints(config_class)
     where = f"{prefix}." if prefix else ""
-    coerced = {name: coerce(where + name, hints[name], value) for name, value in values.items()}
+    arguments: dict[str, Any] = {}
+    for f in fields(config_class):  # type: ignore[arg-type]
+        if is_dataclass(hints[f.name]):
+            inner = {k.partition(".")[2]: v for k, v in values.items() if k.startswith(f"{f.name}.")}
+            arguments[f.name] = config_from_mapping(hints[f.name], inner, where + f.name)
+        elif f.name in values:
+            arguments[f.name] = coerce(where + f.name, hints[f.name], values[f.name])
     try:
-        return config_class(**coerced)
+        return config_class(**arguments)
     except ValueError as error:
         raise ValueError(f"{where}{error}") from error
 
 
-def parameter_names(config_class: type, prefix: str = "") -> dict[str, str]:
-    """Return the parameter name of each field, and the field's own name."""
+def parameter_fields(config_class: type, prefix: str = "") -> dict[str, tuple[Field[Any], Any]]:
+    """Return the declaration and the type of each value by its name, those of groups included."""
+    hints = typing.get_type_hints(config_class)
     where = f"{prefix}." if prefix else ""
-    return {where + f.name: f.name for f in fields(config_class)}
+    found: dict[str, tuple[Field[Any], Any]] = {}
+    for f in fields(config_class):
+        if is_dataclass(hints[f.name]):
+            found |= parameter_fields(hints[f.name], where + f.name)
+        else:
+            found[where + f.name] = (f, hints[f.name])
+    return found
+
+
+def parameter_names(config_class: type, prefix: str = "") -> dict[str, str]:
+    """Return the parameter name of each value, and its name within the configuration."""
+    where = f"{prefix}." if prefix else ""
+    return {where + name: name for name in parameter_fields(config_class)}
+
+
+def flat_values(config: Any) -> dict[str, Any]:
+    """Return the values of a configuration by name; those of a group by `group.field`."""
+    names = parameter_fields(type(config))
+    return {name: functools.reduce(getattr, name.split("."), config) for name in names}
 
 
 def coerce(name: str, hint: Any, value: Any) -> Any:

@@ -87,6 +87,12 @@ class MotionConfig:
     turn_acceleration: float = param(
         2.0, "Change of turn rate expected where there is no odometry.", unit="rad/s^2", gt=0.0
     )
+    stamp_jitter_s: float = param(
+        0.05, "Error of a scan's stamp where there is no odometry.", unit="s", ge=0.0
+    )
+    smoothing_s: float = param(
+        0.3, "Time over which velocity is averaged where there is no odometry.", unit="s", gt=0.0
+    )
 
     def __post_init__(self) -> None:
         validate(self)

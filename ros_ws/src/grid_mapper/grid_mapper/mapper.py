@@ -12,12 +12,10 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.label_grid import LabelGrid
 from grid_mapper.log_odds import LogOddsGrid
-from grid_mapper.motion import odometry_motion, rotated, steady_motion
-from grid_mapper.scan_matcher import MatchResult, ScanMatcher
+from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
+from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
 from grid_mapper.surface_points import SurfacePoints, surface_points
 
-# Points in one cell share that cell's error, so they are worth fewer independent measurements.
-INDEPENDENT_SHARE = 0.3
 # How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
 VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
 
@@ -51,8 +49,7 @@ class _Step:
     T_map_base: SE2
     T_odom_base: SE2 | None
     cov: np.ndarray
-    moved: SE2
-    dt: float
+    velocity: np.ndarray
 
 
 class GridMapper:
@@ -89,7 +86,7 @@ class GridMapper:
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
         points = self._points(scan, T_base_laser)
-        T_pred, cov_pred, moved_dt = self._predict(stamp_ns, T_odom_base)
+        T_pred, cov_pred, dt = self._predict(stamp_ns, T_odom_base)
         if self._matcher.is_empty:
             result = self._first(points, T_pred, cov_pred)
         else:
@@ -100,7 +97,7 @@ class GridMapper:
             self._matcher.insert(points, result.T_map_base)
             self.grid.add_scan(self._clipped(scan), result.T_map_base @ T_base_laser)
             self._key = (stamp_ns, result.T_map_base)
-        self._remember(stamp_ns, T_odom_base, result, moved_dt)
+        self._remember(stamp_ns, T_odom_base, result, dt)
         return ScanResult(
             result.T_map_base, result.cov, result.is_trusted, result.reason, is_key,
             result.overlap,
@@ -117,8 +114,7 @@ class GridMapper:
         if self._last is None:
             self._T_map_start = T_map_base
         else:
-            still = SE2.identity()
-            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, still, 0.0)
+            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, np.zeros(3))
 
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. The map and the pose stay."""
@@ -156,7 +152,7 @@ class GridMapper:
             moved = last.T_odom_base.between(T_odom_base)
             cov = odometry_motion(moved, self.config.motion)
         else:
-            moved, cov = steady_motion(last.moved, last.dt, dt, self.config.motion)
+            moved, cov = steady_motion(last.velocity, dt, self.config.motion)
         return last.T_map_base @ moved, last.cov + rotated(cov, last.T_map_base.yaw), dt
 
     def _first(self, points: SurfacePoints, T_pred: SE2, cov: np.ndarray) -> ScanResult:
@@ -169,8 +165,7 @@ class GridMapper:
         self, match: MatchResult, num_points: int, T_pred: SE2, cov_pred: np.ndarray
     ) -> ScanResult:
         """Believe a match, or say why not and keep the prediction."""
-        off = match.T_map_base.as_array() - T_pred.as_array()
-        off[2] = T_pred.between(match.T_map_base).yaw
+        off = offset(T_pred, match.T_map_base)
         sigmas = float(np.sqrt(off @ np.linalg.solve(cov_pred, off)))
         config, reason = self.config, ""
         if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
@@ -181,8 +176,7 @@ class GridMapper:
             reason = f"a match of few points is {sigmas:.1f} deviations from the prediction"
         if reason:
             return ScanResult(T_pred, cov_pred, False, reason, False, match.overlap)
-        information = np.linalg.inv(cov_pred) + INDEPENDENT_SHARE * match.information
-        cov = np.linalg.inv(information)
+        cov = np.linalg.inv(np.linalg.inv(cov_pred) + match.information)
         return ScanResult(match.T_map_base, cov, True, "", False, match.overlap)
 
     def _is_key(self, stamp_ns: int, T_map_base: SE2) -> bool:
@@ -200,6 +194,9 @@ class GridMapper:
         self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, dt: float
     ) -> None:
         last = self._last
-        moved = last.T_map_base.between(result.T_map_base) if last else SE2.identity()
-        self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, moved, dt)
+        velocity = np.zeros(3)
+        if last is not None:
+            moved = last.T_map_base.between(result.T_map_base)
+            velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
+        self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, velocity)
         self.trajectory.append((stamp_ns, result.T_map_base))

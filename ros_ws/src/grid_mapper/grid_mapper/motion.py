@@ -15,22 +15,35 @@ def odometry_motion(moved: SE2, config: MotionConfig) -> np.ndarray:
     return np.diag([along, along, turn]) ** 2
 
 
-def steady_motion(last: SE2, last_dt: float, dt: float, config: MotionConfig) -> tuple[SE2, np.ndarray]:
+def steady_motion(
+    velocity: np.ndarray, dt: float, config: MotionConfig
+) -> tuple[SE2, np.ndarray]:
     """Predict a motion without odometry: the velocity stays, the acceleration is noise.
 
     Args:
-        last: Motion of the step before.
-        last_dt: Time it took, s; 0 if there was none.
+        velocity: Of (x, y, yaw) in the robot's axes, shape (3,), m/s and rad/s.
         dt: Time to predict for, s.
 
     Returns:
         The motion and its covariance, shape (3, 3).
     """
-    share = dt / last_dt if last_dt > 0.0 else 0.0
-    moved = SE2(share * last.x, share * last.y, 0.0 if share == 0.0 else share * last.yaw)
-    reach = config.base_m + config.acceleration * dt * dt
-    turn = config.base_rad + config.turn_acceleration * dt * dt
-    return moved, np.diag([reach, reach, turn]) ** 2
+    jitter = config.stamp_jitter_s
+    reach = config.base_m + config.acceleration * dt**2 + jitter * np.hypot(*velocity[:2])
+    turn = config.base_rad + config.turn_acceleration * dt**2 + jitter * abs(velocity[2])
+    return SE2(*(velocity * dt)), np.diag([reach, reach, turn]) ** 2
+
+
+def updated_velocity(
+    velocity: np.ndarray, moved: SE2, dt: float, config: MotionConfig
+) -> np.ndarray:
+    """Return the velocity after a step, smoothed: stamps of single scans are not to be trusted.
+
+    Args:
+        velocity: Before the step, shape (3,), m/s and rad/s.
+        moved: The step.
+        dt: Time it took by the stamps, s.
+    """
+    return velocity + (moved.as_array() - velocity * dt) / (dt + config.smoothing_s)
 
 
 def rotated(cov: np.ndarray, yaw: float) -> np.ndarray:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from floornav_common.se2 import SE2
+from floornav_common.se2 import SE2, wrap_angle
 from grid_mapper.config import ScanMatcherConfig
 from grid_mapper.surface_points import SurfacePoints
 from grid_mapper.tile_grid import TILE_MASK, TileGrid, find_slot, missing_tiles
@@ -26,8 +26,10 @@ from grid_mapper.tile_grid import TILE_MASK, TileGrid, find_slot, missing_tiles
 N, MX, MY, CXX, CXY, CYY = range(6)  # what a cell holds: count, mean (m), mean covariance (m^2)
 NUM_VALUES = 6
 COARSE_POINTS = 200  # points used while the pose is still far off
+# Points in one cell share that cell's error, so they are worth fewer independent measurements.
+INDEPENDENT_SHARE = 0.3
 COARSE_WIDTH, FINE_WIDTH = 25.0, 4.0  # of rho, in squared deviations
-BASIN_M, BASIN_RAD = 0.4, 0.15  # a start this near to the truth still converges
+BASIN_M, BASIN_RAD = 0.2, 0.1  # a start this near to the truth still converges
 MAX_STARTS = np.array([1, 1, 3])  # to each side of x, y and yaw
 
 
@@ -81,7 +83,7 @@ class ScanMatcher:
             self._register(scan, stride, start, T_pred, prior, COARSE_WIDTH)
             for start in starting_poses(T_pred, cov_pred)
         ]
-        best = max(coarse, key=lambda fit: fit.overlap * fit.agreement)
+        best = min(coarse, key=lambda fit: _cost(fit, len(scan), T_pred, prior))
         return self._register(scan, 1, best.T_map_base, T_pred, prior, FINE_WIDTH)
 
     def _register(
@@ -96,7 +98,7 @@ class ScanMatcher:
         )  # fmt: skip
         return MatchResult(
             T_map_base=SE2(*pose),
-            information=information * stride,
+            information=INDEPENDENT_SHARE * stride * information,
             overlap=float(num_pairs / max(1, len(scan.points[::stride]))),
             agreement=float(weight / max(1, num_pairs)),
             num_pairs=int(num_pairs * stride),
@@ -119,6 +121,18 @@ class ScanMatcher:
         )
 
 
+def _cost(fit: MatchResult, num_points: int, T_pred: SE2, prior: np.ndarray) -> float:
+    """Return E at a fit: the mean of log rho' stands for all points, unpaired ones included."""
+    off = offset(T_pred, fit.T_map_base)
+    mean = -np.log(max(fit.overlap * fit.agreement, 1e-9))
+    return float(INDEPENDENT_SHARE * num_points * COARSE_WIDTH * mean + off @ prior @ off)
+
+
+def offset(T_a: SE2, T_b: SE2) -> np.ndarray:
+    """Return (x, y, yaw) of b less that of a, shape (3,), the turn wrapped."""
+    return np.array([T_b.x - T_a.x, T_b.y - T_a.y, wrap_angle(T_b.yaw - T_a.yaw)])
+
+
 def starting_poses(T_pred: SE2, cov_pred: np.ndarray) -> list[SE2]:
     """Return poses that cover two deviations of the prediction, no further apart than a basin.
 
@@ -126,7 +140,7 @@ def starting_poses(T_pred: SE2, cov_pred: np.ndarray) -> list[SE2]:
     """
     sigma = np.sqrt(np.diag(cov_pred))
     basin = np.array([BASIN_M, BASIN_M, BASIN_RAD])
-    num = np.minimum(np.floor(2.0 * sigma / basin + 0.5), MAX_STARTS).astype(int)
+    num = np.clip(np.ceil(2.0 * sigma / basin - 1.0), 0, MAX_STARTS).astype(int)
     offsets = [sorted(range(-n, n + 1), key=abs) for n in num]
     return [
         SE2(T_pred.x + i * basin[0], T_pred.y + j * basin[1], T_pred.yaw + k * basin[2])
@@ -198,9 +212,17 @@ def _normal_equations(  # type: ignore[no-untyped-def]
         myy = cell[CYY] + s * s * xx + 2.0 * c * s * xy + c * c * yy
         det = mxx * myy - mxy * mxy
         ixx, ixy, iyy = myy / det, -mxy / det, mxx / det
-        ex, ey = ixx * dx + ixy * dy, ixy * dx + iyy * dy
-        error = dx * ex + dy * ey
+        error = ixx * dx * dx + 2.0 * ixy * dx * dy + iyy * dy * dy
         w = 1.0 / (1.0 + error / width)
+        # W = (1 + k) M^-1 - I / long, k = short / long: the eigenvalues of M
+        half = 0.5 * (mxx + myy)
+        root = np.sqrt(max(half * half - det, 0.0))
+        ratio = (half - root) / (half + root)
+        floor = 1.0 / (half + root)
+        ixx = (1.0 + ratio) * ixx - floor
+        ixy = (1.0 + ratio) * ixy
+        iyy = (1.0 + ratio) * iyy - floor
+        ex, ey = ixx * dx + ixy * dy, ixy * dx + iyy * dy
         num_pairs += 1
         weight_sum += w
         error_sum += w * error

@@ -39,8 +39,9 @@ class SurfacePoints:
 
 
 def surface_points(
-    points: np.ndarray, origin: np.ndarray, angle_increment: float, sigma: float, spread: float
-) -> SurfacePoints:
+    points: np.ndarray, origin: np.ndarray, angle_increment: float, sigma: float,
+    spread: float,
+) -> SurfacePoints:  # fmt: skip
     """Estimate the patch each point lies on from its neighbours in the scan.
 
     Args:

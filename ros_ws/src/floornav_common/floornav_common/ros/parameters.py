@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import typing
 from collections.abc import Callable
-from dataclasses import fields
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import (
@@ -50,10 +49,10 @@ def declare_config(
         config = config_files.config_from_mapping(config_class, given, prefix)
     except ValueError as error:
         raise ParameterError(f"{node.get_fully_qualified_name()}: parameter {error}") from error
-    hints = typing.get_type_hints(config_class)
-    for (name, _), field in zip(names.items(), fields(config_class), strict=True):  # type: ignore[arg-type]
-        value = getattr(config, field.name)
-        descriptor = _descriptor(field, hints[field.name])
+    values = config_files.flat_values(config)
+    for name, (field, hint) in config_files.parameter_fields(config_class, prefix).items():
+        value = values[names[name]]
+        descriptor = _descriptor(field, hint)
         node.declare_parameter(
             name, list(value) if isinstance(value, tuple) else value, descriptor, True
         )

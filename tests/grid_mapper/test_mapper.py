@@ -1,0 +1,117 @@
+"""The whole mapper on drives with bad odometry, few scans, no odometry, and scans to refuse."""
+
+import numpy as np
+import pytest
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.mapper import GridMapper
+from worlds import drive_around, scan_at, square_room
+
+T_BASE_LASER = SE2(0.1, 0.0, 0.2)
+HALF_SECOND_NS = 500_000_000
+
+
+def slipping(truth: list[SE2], slip: float) -> list[SE2]:
+    """Return odometry that reports every motion and every turn too long by a share."""
+    odom = [SE2.identity()]
+    for a, b in zip(truth, truth[1:], strict=False):
+        m = a.between(b)
+        odom.append(odom[-1] @ SE2(m.x * (1 + slip), m.y * (1 + slip), m.yaw * (1 + slip)))
+    return odom
+
+
+def run(truth, odom, mapper=None, seed=0):
+    mapper = mapper or GridMapper(GridMapperConfig(), T_map_start=truth[0])
+    rng = np.random.default_rng(seed)
+    results = [
+        mapper.insert_scan(
+            k * HALF_SECOND_NS, scan_at(pose @ T_BASE_LASER, square_room(), rng=rng),
+            T_BASE_LASER, o,
+        )
+        for k, (pose, o) in enumerate(zip(truth, odom, strict=True))
+    ]  # fmt: skip
+    return mapper, results
+
+
+def worst(truth, results):
+    off = [a.between(r.T_map_base) for a, r in zip(truth, results, strict=True)]
+    return max(o.distance for o in off), max(abs(o.yaw) for o in off)
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_ten_percent_slip_is_undone_at_full_rate_and_at_sparse_key_scans(every):
+    """Every fourth pose is 0.5 m and 20 degrees from the last."""
+    truth = drive_around()[::every]
+    _, results = run(truth, slipping(truth, 0.1))
+    distance, turn = worst(truth, results)
+    assert all(r.is_trusted for r in results)
+    assert distance < 0.03 and turn < 0.01
+
+
+def test_a_drive_without_odometry_is_followed():
+    truth = drive_around()
+    _, results = run(truth, [None] * len(truth))
+    assert worst(truth, results)[0] < 0.03
+
+
+def test_the_same_scans_give_the_same_result():
+    truth = drive_around(20)
+    maps = [run(truth, slipping(truth, 0.1))[0] for _ in range(2)]
+    assert maps[0].trajectory == maps[1].trajectory
+    assert (maps[0].occupancy().cells == maps[1].occupancy().cells).all()
+
+
+def test_a_scan_that_does_not_fit_is_refused_with_a_reason_and_not_mapped():
+    truth = drive_around()
+    mapper, _ = run(truth, truth)
+    before = mapper.occupancy()
+    rng = np.random.default_rng(0)
+    clutter = Scan(rng.uniform(0.3, 1.0, 360), -np.pi, 2 * np.pi / 360, 0.05, 30.0)
+    result = mapper.insert_scan(99 * HALF_SECOND_NS, clutter, T_BASE_LASER, truth[-1])
+    assert not result.is_trusted and result.reason
+    assert (mapper.occupancy().cells == before.cells).all()
+    assert truth[-1].between(result.T_map_base).distance < 0.05
+
+
+def test_covariance_grows_while_scans_are_refused_and_shrinks_after():
+    truth = drive_around()
+    mapper, results = run(truth, truth)
+    blind = Scan(np.full(360, np.nan), -np.pi, 2 * np.pi / 360, 0.05, 30.0)
+    sigma = [np.sqrt(np.trace(results[-1].cov[:2, :2]))]
+    for k in range(5):
+        r = mapper.insert_scan((100 + k) * HALF_SECOND_NS, blind, T_BASE_LASER, truth[-1])
+        sigma.append(np.sqrt(np.trace(r.cov[:2, :2])))
+    assert (np.diff(sigma) > 0.0).all()
+    good = scan_at(truth[-1] @ T_BASE_LASER, square_room())
+    after = mapper.insert_scan(110 * HALF_SECOND_NS, good, T_BASE_LASER, truth[-1])
+    assert after.is_trusted and np.sqrt(np.trace(after.cov[:2, :2])) < sigma[1]
+
+
+def test_a_first_scan_without_points_is_no_map():
+    mapper = GridMapper(GridMapperConfig())
+    blind = Scan(np.full(360, np.nan), -np.pi, 2 * np.pi / 360, 0.05, 30.0)
+    result = mapper.insert_scan(0, blind, T_BASE_LASER, SE2.identity())
+    assert not result.is_trusted
+    assert mapper.occupancy().cells.size == 0
+
+
+def test_a_pose_told_from_outside_is_settled_by_the_next_scan():
+    truth = drive_around()
+    mapper, _ = run(truth, truth)
+    mapper.relocate(SE2(truth[0].x + 0.3, truth[0].y - 0.2, truth[0].yaw + 0.15))
+    scan = scan_at(truth[0] @ T_BASE_LASER, square_room())
+    result = mapper.insert_scan(200 * HALF_SECOND_NS, scan, T_BASE_LASER, SE2(9.0, 9.0, 1.0))
+    assert result.is_trusted
+    assert truth[0].between(result.T_map_base).distance < 0.02
+
+
+def test_a_robot_that_stands_still_fills_the_map_no_faster_than_its_key_period():
+    mapper = GridMapper(GridMapperConfig(key_period_s=5.0))
+    scan = scan_at(T_BASE_LASER, square_room())
+    keys = [
+        mapper.insert_scan(k * HALF_SECOND_NS, scan, T_BASE_LASER, SE2.identity()).is_key_scan
+        for k in range(31)
+    ]
+    assert [k for k, is_key in enumerate(keys) if is_key] == [0, 10, 20, 30]
