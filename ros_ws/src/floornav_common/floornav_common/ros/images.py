@@ -59,7 +59,7 @@ def array_to_image(pixels: np.ndarray, encoding: str, stamp: Any, frame_id: str)
     from sensor_msgs.msg import Image
 
     _check_pixels(pixels, encoding)
-    msg = Image(encoding=encoding, is_bigendian=0)
+    msg = Image(encoding=encoding, is_bigendian=0, check_fields=True)  # then data is not copied
     msg.height, msg.width = pixels.shape[:2]
     msg.step = pixels.shape[1] * CHANNELS[encoding]
     msg.data = to_field(pixels)

@@ -151,7 +151,7 @@ def grid_to_msg(grid: OccupancyMap, stamp: Any, frame_id: str) -> Any:
     """Return a map as a nav_msgs/OccupancyGrid of a stamp (builtin_interfaces/Time)."""
     from nav_msgs.msg import OccupancyGrid
 
-    msg = OccupancyGrid()
+    msg = OccupancyGrid(check_fields=True)  # then data is not copied
     msg.header.stamp, msg.header.frame_id = stamp, frame_id
     msg.info.map_load_time = stamp
     msg.info.height, msg.info.width = grid.cells.shape
