@@ -107,7 +107,8 @@ class Demo:
 
     def _drive(self, children: Processes, spin: Callable[[], None]) -> None:
         # The simulator comes last: its time begins when all others are there to hear it.
-        say("starting grid_mapper, route_follower, recorder ...", is_quiet=self._args.quiet)
+        text = "starting the nodes (the first time, grid_mapper compiles its kernels) ..."
+        say(text, is_quiet=self._args.quiet)
         for name, command in self._commands().items():
             if name != "sim_bridge":
                 children.start(name, command)
