@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -51,6 +51,16 @@ class Picky(FloornavNode):
 
 
 @dataclass(frozen=True, kw_only=True)
+class FilterConfig:
+    """A group of parameters."""
+
+    window: int = param(5, "Window.", ge=1)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
 class TunedConfig:
     """Parameters of every kind."""
 
@@ -61,6 +71,7 @@ class TunedConfig:
     team: tuple[str, ...] = param((), "Team.")
     limits: tuple[float, float] = param((-1.0, 1.0), "Limits.", unit="m")
     size: int = param(10, "Size.", read_only=True)
+    filter: FilterConfig = field(default_factory=FilterConfig)
 
     def __post_init__(self) -> None:
         validate(self)

@@ -212,6 +212,9 @@ def test_parameters_set_at_run_time_are_checked(start: Start, peer: Peer) -> Non
     node.wait_for("changed to TunedConfig(gain=0.25")
     assert "gain must be > 0, <= 1, got 0.0" in set_to("gain", 0).reason
     assert not set_to("size", 11).successful
+    assert "filter.window must be >= 1, got 0" in set_to("filter.window", 0).reason
+    assert set_to("filter.window", 7).successful
+    node.wait_for("window=7")
     assert not set_to("name", "c").successful
     assert set_to("team", ["/r1", "/r2"]).successful
     node.wait_for("team=('/r1', '/r2')")

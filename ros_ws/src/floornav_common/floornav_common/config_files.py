@@ -66,7 +66,8 @@ def config_from_mapping(config_class: type[C], values: Mapping[str, Any], prefix
     arguments: dict[str, Any] = {}
     for f in fields(config_class):  # type: ignore[arg-type]
         if is_dataclass(hints[f.name]):
-            inner = {k.partition(".")[2]: v for k, v in values.items() if k.startswith(f"{f.name}.")}
+            own = [name for name in values if name.startswith(f"{f.name}.")]
+            inner = {name.partition(".")[2]: values[name] for name in own}
             arguments[f.name] = config_from_mapping(hints[f.name], inner, where + f.name)
         elif f.name in values:
             arguments[f.name] = coerce(where + f.name, hints[f.name], values[f.name])

@@ -104,7 +104,7 @@ def _watch(
 
     def changed(parameters: list[Parameter]) -> C:
         values = {names[p.name]: p.value for p in parameters if p.name in names}
-        kept = {field: getattr(current, field) for field in names.values()}
+        kept = config_files.flat_values(current)
         return config_files.config_from_mapping(type(current), {**kept, **values}, prefix)
 
     def check(parameters: list[Parameter]) -> SetParametersResult:

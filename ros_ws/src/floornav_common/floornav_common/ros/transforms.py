@@ -19,6 +19,7 @@ from floornav_common.time_watch import Throttle
 from floornav_common.transform3 import Transform3
 from floornav_common.transform_buffer import TransformBuffer
 
+Vector = tuple[float, ...]
 NO_TF = "tf2_msgs is not installed: transforms are neither heard nor sent"
 _WARN_PERIOD_NS = 5_000_000_000
 _OLD_IN_A_ROW = 50  # a late sample or two is ignored; a second of nothing else is a looping bag
@@ -66,6 +67,20 @@ class TransformListener:
         """Call back with every geometry_msgs/TransformStamped of /tf."""
         self._on_sample.append(callback)
 
+    def add(self, parent: str, child: str, stamp_ns: int, place: Vector, turn: Vector) -> None:
+        """Store a moving transform that came another way than by /tf.
+
+        Args:
+            parent: Parent frame.
+            child: Child frame.
+            stamp_ns: Stamp.
+            place: Translation x, y, z, m.
+            turn: Quaternion x, y, z, w.
+        """
+        self._set(parent, child, stamp_ns, place, turn, is_static=False)
+        for callback in self._on_update:
+            callback()
+
     def clear(self) -> None:
         """Forget all that moves: the clock jumped back."""
         self.buffer.clear()
@@ -88,8 +103,12 @@ class TransformListener:
     def _store_one(self, stamped: Any, *, is_static: bool) -> None:
         t, q = stamped.transform.translation, stamped.transform.rotation
         parent, child = stamped.header.frame_id, stamped.child_frame_id
-        stamp_ns = stamp_to_ns(stamped.header.stamp)
         place, turn = (t.x, t.y, t.z), (q.x, q.y, q.z, q.w)
+        self._set(parent, child, stamp_to_ns(stamped.header.stamp), place, turn, is_static)
+
+    def _set(
+        self, parent: str, child: str, stamp_ns: int, place: Vector, turn: Vector, is_static: bool
+    ) -> None:  # fmt: skip
         try:
             is_new = self.buffer.set_transform(parent, child, stamp_ns, place, turn, is_static)
         except ValueError as error:
