@@ -247,6 +247,37 @@ def test_signals_reach_the_command_itself(tmp_path: Path) -> None:
     process.stdout.close()
 
 
+def fake_jazzy(folder: Path) -> Path:
+    """Write what tells an installed Jazzy: a set-up script, and the marker of its rclpy."""
+    marker = folder / "share/ament_index/resource_index/packages/rclpy"
+    marker.parent.mkdir(parents=True)
+    marker.write_text("")
+    setup = f"export ROS_DISTRO=jazzy AMENT_PREFIX_PATH={folder} PYTHONPATH={folder}/python\n"
+    (folder / "setup.sh").write_text(setup)
+    return folder
+
+
+@pytest.mark.parametrize("is_sourced", [False, True])
+@pytest.mark.parametrize(("needs", "is_used"), [("node", True), ("offline", False)])
+def test_installed_jazzy_is_for_nodes_only(
+    tmp_path: Path, needs: str, is_used: bool, is_sourced: bool
+) -> None:
+    jazzy = fake_jazzy(tmp_path / "jazzy")
+    body = "import os\nprint(os.environ['AMENT_PREFIX_PATH'], os.environ.get('PYTHONPATH'))"
+    command = entering(tmp_path, body, needs)
+    script = Path(command[1])
+    known = f"_environment.SYSTEM_ROS_PREFIX = Path({str(jazzy)!r})\n_environment.ensure_env"
+    script.write_text(script.read_text().replace("_environment.ensure_env", known, 1))
+    shell = outside()
+    if is_sourced:
+        shell |= {"ROS_DISTRO": "jazzy", "AMENT_PREFIX_PATH": str(jazzy)}
+        shell |= {"PYTHONPATH": f"{jazzy}/python"}
+    answer = subprocess.run(command, env=shell, capture_output=True, text=True)
+    home = tmp_path / "home"
+    wanted = f"{home}:{jazzy} {jazzy}/python" if is_used else f"{home} None"
+    assert answer.stdout.strip() == wanted, answer.stderr
+
+
 def test_inside_the_environment_nothing_happens(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FLOORNAV_ENV_READY", "1")
     monkeypatch.setattr(build, "ready_home", lambda is_system: pytest.fail("made an environment"))
