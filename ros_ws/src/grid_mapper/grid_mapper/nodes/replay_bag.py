@@ -28,7 +28,9 @@ from grid_mapper.recordings.playback import (
 
 DEFAULT_CLOCK_HZ = 100.0
 LONGEST_SLEEP_S = 0.05
-SETTLE_S = 0.2
+SETTLE_S = 0.5
+MATCHED_S = 0.2
+"""The other side finds the match a little later than we do."""
 
 
 class Stopped(Exception):  # noqa: N818, not an error
@@ -77,7 +79,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--qos", type=Path, metavar="FILE", help="YAML, topic: {reliability: ..., depth: ...}")
     add("--clock", type=_not_negative, default=DEFAULT_CLOCK_HZ, metavar="HZ",
         help="rate of /clock in real time, 0 for none (default: %(default)g)")  # fmt: skip
-    add("--wait", type=_not_negative, default=2.0, metavar="S",
+    add("--wait", type=_not_negative, default=3.0, metavar="S",
         help="wait at most S seconds for subscribers (default: %(default)g)")  # fmt: skip
     add("--quiet", action="store_true", help="print errors only")
     return parser
@@ -185,14 +187,19 @@ def _in_time(
 def _wait_for_subscribers(
     node: BagPlayerNode, longest_s: float, should_stop: Callable[[], bool]
 ) -> None:
-    """Wait until all topics are heard, or half a second after one is, or long enough."""
-    end_s = time.monotonic() + longest_s
-    while time.monotonic() < end_s and not should_stop():
-        if node.num_heard == len(node.playable):
+    """Wait until all topics are heard, or no more come to be heard for a moment, or too long."""
+    started_s = time.monotonic()
+    num_heard, changed_s = 0, started_s
+    while not should_stop() and num_heard < len(node.playable):
+        now_s = time.monotonic()
+        if node.num_heard != num_heard:
+            num_heard, changed_s = node.num_heard, now_s
+        is_settled = num_heard > 0 and now_s - changed_s > SETTLE_S
+        if is_settled or now_s - started_s >= longest_s:
             break
         time.sleep(LONGEST_SLEEP_S)
-    if longest_s > 0.0:
-        time.sleep(SETTLE_S)
+    if num_heard > 0:
+        time.sleep(MATCHED_S)
     if should_stop():
         raise Stopped
 

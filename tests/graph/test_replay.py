@@ -1,0 +1,204 @@
+"""Recording and replaying over real DDS, each in a process of its own."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosbags.interfaces import (
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.typesys import Stores, get_typestore
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+from grid_mapper.recordings.bag import Bag, Message
+from grid_mapper.recordings.bag_writer import BagWriter
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+STORE = get_typestore(Stores.ROS2_JAZZY)
+STRING = "std_msgs/msg/String"
+NS = 1_000_000_000
+START_NS = 5_000 * NS
+SPACING_TOL_MS = 20.0
+BEST_EFFORT = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+RELIABLE = QoSProfile(depth=100)
+LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+NO_LIMIT = QosTime(9223372036, 854775807)
+Start = Callable[..., Any]
+Peer = Any
+
+
+def offered(reliability: QosReliability, durability: QosDurability) -> Qos:
+    """Return a profile as a recorder finds it: DDS tells neither history nor depth."""
+    history, liveliness = QosHistory.UNKNOWN, QosLiveliness.AUTOMATIC
+    return Qos(history, 0, reliability, durability, NO_LIMIT, NO_LIMIT, liveliness, NO_LIMIT, False)
+
+
+QOS = {
+    "/fast": offered(QosReliability.RELIABLE, QosDurability.VOLATILE),
+    "/lossy": offered(QosReliability.BEST_EFFORT, QosDurability.VOLATILE),
+    "/map": offered(QosReliability.RELIABLE, QosDurability.TRANSIENT_LOCAL),
+}
+
+
+def string_bytes(text: str) -> bytes:
+    return bytes(STORE.serialize_cdr(STORE.types[STRING](text), STRING))
+
+
+def write_bag(path: Path, storage: str = "mcap") -> Path:
+    """Write 1.5 s: /fast each 20 ms, /lossy irregularly, /map twice, a type nobody has."""
+    writer = BagWriter(path, storage)
+    for name, qos in QOS.items():
+        writer.add_topic(name, STRING, [qos])
+    writer.add_topic("/odd", "robot_msgs/msg/Odd", definition="uint8 x\n")
+    times = [(START_NS + i * NS // 50, "/fast", f"fast {i}") for i in range(75)]
+    times += [(START_NS + i * i * NS // 400, "/lossy", f"lossy {i}") for i in range(24)]
+    times += [(START_NS + 1, "/map", "first map"), (START_NS + NS // 2, "/map", "second map")]
+    for stamp_ns, topic, text in sorted(times):
+        writer.write(topic, stamp_ns, string_bytes(text))
+    writer.write("/odd", START_NS + 2, b"\x00\x01\x00\x00\x07")
+    writer.close()
+    return path
+
+
+def contents(path: Path) -> list[Message]:
+    with Bag(path) as bag:
+        return list(bag.messages())
+
+
+def of_topic(messages: list[Message], topic: str) -> list[Message]:
+    return [m for m in messages if m.topic == topic]
+
+
+def words_of(messages: list[Message]) -> list[str]:
+    """Return the text of each String; its bytes may end in padding that DDS adds."""
+    return [STORE.deserialize_cdr(m.data, STRING).data for m in messages]
+
+
+def texts(messages: list[Any]) -> list[str]:
+    return [message.data for message in messages]
+
+
+@pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
+def test_what_is_replayed_is_recorded_the_same(tmp_path: Path, start: Start, storage: str) -> None:
+    source, copy = write_bag(tmp_path / "source", storage), tmp_path / "copy"
+    recorder = start(SCRIPTS / "record.py", *QOS, "--out", copy, "--storage", storage)
+    recorder.wait_for("recording")
+    replay = start(SCRIPTS / "replay.py", source, "--wait", "10")
+    assert replay.wait_for_exit(30.0) == 0
+    assert "robot_msgs/msg/Odd" in replay.text
+    assert recorder.stop(signal.SIGINT) == 0
+    before, after = contents(source), contents(copy)
+    for topic in QOS:
+        sent, got = of_topic(before, topic), of_topic(after, topic)
+        assert words_of(got) == words_of(sent)
+        shift = np.array([g.recorded_ns - s.recorded_ns for g, s in zip(got, sent, strict=True)])
+        assert np.median(np.abs(shift - np.median(shift))) * 1e-6 < SPACING_TOL_MS
+    with Bag(copy) as bag:
+        for topic, profile in QOS.items():
+            assert [(q.reliability, q.durability) for q in bag.topics[topic].qos] == [
+                (profile.reliability, profile.durability)
+            ]
+
+
+def test_start_in_the_middle_brings_the_latched_messages_and_the_right_time(
+    tmp_path: Path, start: Start, peer: Peer
+) -> None:
+    source = write_bag(tmp_path / "source")
+    maps = peer.collect(String, "/map", LATCHED)
+    fast = peer.collect(String, "/fast", RELIABLE)
+    clocks = peer.collect(Clock, "/clock", BEST_EFFORT)
+    replay = start(SCRIPTS / "replay.py", source, "--start", "1.0", "--wait", "10")
+    peer.spin_until(lambda: len(fast) >= 25, 20.0)
+    assert replay.wait_for_exit() == 0
+    peer.spin(0.1)
+    assert texts(maps) == ["second map"]
+    assert texts(fast) == [f"fast {i}" for i in range(50, 75)]
+    stamps = [c.clock.sec + c.clock.nanosec * 1e-9 for c in clocks]
+    assert stamps == sorted(stamps)
+    assert 5001.0 <= stamps[0] < 5001.2 and 5001.3 < stamps[-1] <= 5001.5
+
+
+def test_topics_remap_rate_duration_and_qos_are_obeyed(
+    tmp_path: Path, start: Start, peer: Peer
+) -> None:
+    source = write_bag(tmp_path / "source")
+    (tmp_path / "qos.yaml").write_text("/fast: {reliability: best_effort, depth: 7}\n")
+    other = peer.collect(String, "/other", BEST_EFFORT)
+    maps = peer.collect(String, "/map", LATCHED)
+    replay = start(
+        SCRIPTS / "replay.py", source, "--topics", "/fast", "--remap", "/fast:=/other",
+        "--rate", "0.5", "--duration", "0.5", "--qos", tmp_path / "qos.yaml", "--clock", "0",
+        "--wait", "10",
+    )  # fmt: skip
+    peer.spin_until(lambda: len(other) > 0, 20.0)
+    (info,) = peer.node.get_publishers_info_by_topic("/other")
+    assert info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
+    assert peer.node.get_publishers_info_by_topic("/clock") == []
+    peer.spin_until(lambda: "fast 25" in texts(other), 10.0)
+    assert replay.wait_for_exit() == 0
+    assert texts(other) == [f"fast {i}" for i in range(26)]
+    assert maps == []
+
+
+def test_loop_starts_again_until_it_is_stopped(tmp_path: Path, start: Start, peer: Peer) -> None:
+    source = write_bag(tmp_path / "source")
+    fast = peer.collect(String, "/fast", RELIABLE)
+    clocks = peer.collect(Clock, "/clock", BEST_EFFORT)
+    replay = start(SCRIPTS / "replay.py", source, "--loop", "--rate", "5", "--wait", "10")
+    peer.spin_until(lambda: texts(fast).count("fast 0") >= 3, 20.0)
+    assert replay.stop(signal.SIGINT) == 0
+    once = [f"fast {i}" for i in range(75)]
+    assert texts(fast)[:150] == once * 2
+    stamps = [c.clock.sec + c.clock.nanosec * 1e-9 for c in clocks]
+    assert any(b < a - 1.0 for a, b in zip(stamps, stamps[1:], strict=False))
+
+
+@pytest.mark.parametrize(
+    ("args", "expected"),
+    [(["missing"], "does not exist"), (["source", "--topics", "/left"], "/left"),
+     (["source", "--remap", "/fast"], "A:=B"), (["source", "--start", "9"], "behind the end"),
+     (["source", "--qos", "missing"], "missing"), (["source", "--topics", "/odd"], "no topic")],
+)  # fmt: skip
+def test_bad_usage_is_one_line(
+    tmp_path: Path, start: Start, monkeypatch: pytest.MonkeyPatch, args: list[str], expected: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_bag(tmp_path / "source")
+    replay = start(SCRIPTS / "replay.py", *args, "--quiet")
+    assert replay.wait_for_exit(20.0) == 2
+    assert len(replay.lines) == 1 and expected in replay.lines[0]
+
+
+def test_recording_nothing_leaves_nothing(tmp_path: Path, start: Start) -> None:
+    recorder = start(
+        SCRIPTS / "record.py", "/nobody", "--out", tmp_path / "bag", "--duration", "0.5"
+    )
+    assert recorder.wait_for_exit(20.0) == 1
+    assert "nobody published /nobody" in recorder.text and "no message came" in recorder.text
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bag_that_exists_is_not_touched(tmp_path: Path, start: Start, peer: Peer) -> None:
+    old = write_bag(tmp_path / "bag")
+    before = contents(old)
+    recorder = start(SCRIPTS / "record.py", "/words", "--out", old)
+    publisher = peer.publisher(String, "/words", 10)
+    for _ in range(5):
+        publisher.publish(String(data="hello"))
+        peer.spin(0.1)
+    assert "exists" in recorder.text
+    assert recorder.stop(signal.SIGINT) == 0
+    assert contents(old) == before
+    assert set(words_of(contents(tmp_path / "bag-2"))) == {"hello"}
