@@ -13,8 +13,9 @@ class ScanMatcherConfig:
     """Scan-to-map ICP in the plane."""
 
     cell_m: float = param(
-        0.25, "Edge of the cells that hold the map to match to.", unit="m", gt=0.0, le=2.0
-    )
+        0.25, "Edge of the cells that hold the map to match to.", unit="m", gt=0.0, le=2.0,
+        read_only=True,
+    )  # fmt: skip
     max_pair_distance_m: float = param(
         0.5, "Greatest distance of a point to the map cell it is paired with.", unit="m", gt=0.0
     )
@@ -102,7 +103,9 @@ class MotionConfig:
 class GridMapperConfig:
     """The laser mapper."""
 
-    resolution_m: float = param(0.05, "Edge of a map cell.", unit="m", gt=0.0, le=1.0)
+    resolution_m: float = param(
+        0.05, "Edge of a map cell.", unit="m", gt=0.0, le=1.0, read_only=True
+    )
     grid: str = param(
         "label", "Map rule: the published labels, or the log-odds that the field uses.",
         choices=("label", "log_odds"), read_only=True,
@@ -135,13 +138,39 @@ class GridMapperConfig:
         ge=0.0, le=1.0,
     )  # fmt: skip
     max_correction_sigmas: float = param(
-        5.0, "Below sure_overlap, a match further from the prediction is not trusted.",
-        unit="deviations", gt=0.0,
+        5.0,
+        "Below sure_overlap, a match further from the prediction is not trusted.",
+        unit="deviations",
+        gt=0.0,
     )
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
     motion: MotionConfig = field(default_factory=MotionConfig)
     label: LabelGridConfig = field(default_factory=LabelGridConfig)
     log_odds: LogOddsConfig = field(default_factory=LogOddsConfig)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridMapperNodeConfig:
+    """What the node adds to the mapper."""
+
+    publish_tf: bool = param(True, "Publish map->odom while nobody else does.", read_only=True)
+    use_odom: bool = param(
+        True, "Start each match from odometry; false expects steady motion.", read_only=True
+    )
+    map_period_s: float = param(
+        1.0, "The map is published at most this often.", unit="s", gt=0.0, read_only=True
+    )
+    map_file: str = param("", "Where ~/save_map writes, without ending; empty for a new name.")
+    map_mode: str = param(
+        "trinary", "What ~/save_map keeps of a cell.", choices=("trinary", "scale", "raw")
+    )
+    scan_timeout_s: float = param(2.0, "Silence after which the scan is missed.", unit="s", gt=0.0)
+    lost_after_s: float = param(
+        3.0, "The robot is lost when no scan was trusted for this long.", unit="s", gt=0.0
+    )
 
     def __post_init__(self) -> None:
         validate(self)

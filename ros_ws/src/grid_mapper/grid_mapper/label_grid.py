@@ -27,21 +27,21 @@ class LabelGrid:
     """Labels and points of every cell seen."""
 
     def __init__(self, config: LabelGridConfig, resolution: float) -> None:
-        self._config = config
+        self.config = config
         self._grid = TileGrid(resolution, labels=(np.int8, ()), points=(np.uint16, ()))
 
     def add_scan(self, scan: Scan, T_map_laser: SE2) -> None:
         """Sample one scan (4.1)."""
-        self.add_beams(beams_of(scan, T_map_laser, self._config.no_return_free_m))
+        self.add_beams(beams_of(scan, T_map_laser, self.config.no_return_free_m))
 
     def add_beams(self, beams: Beams) -> None:
         """Sample beams given in the map frame (4.1)."""
-        half_angle = 0.5 * (self._config.beam_angle_rad or beams.angle_increment)
+        half_angle = 0.5 * (self.config.beam_angle_rad or beams.angle_increment)
         grid = self._grid
-        grid.ensure_tiles(beams.tiles(grid.resolution, self._config.range_tolerance_m))
+        grid.ensure_tiles(beams.tiles(grid.resolution, self.config.range_tolerance_m))
         sample_sectors(
             beams.origin / grid.resolution, beams.angles, beams.ranges / grid.resolution,
-            beams.is_hit, half_angle, self._config.range_tolerance_m / grid.resolution,
+            beams.is_hit, half_angle, self.config.range_tolerance_m / grid.resolution,
             grid.fields["labels"], grid.fields["points"], grid.table, grid.corner,
         )  # fmt: skip
 
@@ -49,7 +49,7 @@ class LabelGrid:
         """Return the map with noise candidates judged (4.2)."""
         labels, corner = self._grid.dense("labels")
         points, _ = self._grid.dense("points")
-        judged = remove_noise(labels, points, self._config.noise_points, self._border_cells())
+        judged = remove_noise(labels, points, self.config.noise_points, self._border_cells())
         resolution = self._grid.resolution
         cells = np.array([UNKNOWN, FREE, OCCUPIED], np.int8)[judged]
         origin = SE2(float(corner[1] * resolution), float(corner[0] * resolution), 0.0)
@@ -57,7 +57,7 @@ class LabelGrid:
 
     def _border_cells(self) -> int:
         """Return how thick a wall is sampled, in cells: 2 dr."""
-        return max(1, round(2.0 * self._config.range_tolerance_m / self._grid.resolution))
+        return max(1, round(2.0 * self.config.range_tolerance_m / self._grid.resolution))
 
     @property
     def num_bytes(self) -> int:
@@ -84,8 +84,15 @@ def remove_noise(
     if not candidate.any():
         return labels.copy()
     kernel = np.ones((2 * border_cells + 1, 2 * border_cells + 1), np.uint8)
-    unknown = cv2.copyMakeBorder((labels == LABEL_UNKNOWN).astype(np.uint8), *[border_cells] * 4, cv2.BORDER_CONSTANT, value=1)
-    near_unknown = cv2.dilate(unknown, kernel)[border_cells:-border_cells, border_cells:-border_cells]
+    unknown = cv2.copyMakeBorder(
+        (labels == LABEL_UNKNOWN).astype(np.uint8),
+        *[border_cells] * 4,
+        cv2.BORDER_CONSTANT,
+        value=1,
+    )
+    near_unknown = cv2.dilate(unknown, kernel)[
+        border_cells:-border_cells, border_cells:-border_cells
+    ]
     near_free = cv2.dilate((labels == LABEL_FREE).astype(np.uint8), kernel)
     on_border = (near_unknown > 0) & (near_free > 0)
     judged = labels.copy()

@@ -20,21 +20,21 @@ class LogOddsGrid:
     """Log-odds of every cell seen; exactly 0 means never seen."""
 
     def __init__(self, config: LogOddsConfig, resolution: float) -> None:
-        self._config = config
+        self.config = config
         self._grid = TileGrid(resolution, log_odds=(np.float32, ()))
-        self._steps = [np.float32(log_odds(p)) for p in (config.p_miss, config.p_hit, config.p_max)]
 
     def add_scan(self, scan: Scan, T_map_laser: SE2) -> None:
         """Trace one scan."""
-        self.add_beams(beams_of(scan, T_map_laser, self._config.no_return_free_m))
+        self.add_beams(beams_of(scan, T_map_laser, self.config.no_return_free_m))
 
     def add_beams(self, beams: Beams) -> None:
         """Trace beams given in the map frame."""
-        grid = self._grid
+        grid, config = self._grid, self.config
+        steps = [np.float32(log_odds(p)) for p in (config.p_miss, config.p_hit, config.p_max)]
         grid.ensure_tiles(beams.tiles(grid.resolution, 0.0))
         trace_rays(
             beams.origin / grid.resolution, beams.angles, beams.ranges / grid.resolution,
-            beams.is_hit, *self._steps, grid.fields["log_odds"], grid.table, grid.corner,
+            beams.is_hit, *steps, grid.fields["log_odds"], grid.table, grid.corner,
         )  # fmt: skip
 
     def occupancy(self) -> OccupancyMap:

@@ -8,6 +8,7 @@ grey value 205 of an unknown cell is read as unknown by every version of map_ser
 
 from __future__ import annotations
 
+import itertools
 import os
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,15 @@ def save_map(
     text = yaml.safe_dump(header, sort_keys=False, default_flow_style=None)
     _write_both(image_path, image.tobytes(), yaml_path, text.encode())
     return yaml_path
+
+
+def free_prefix(prefix: Path | str) -> str:
+    """Return `prefix`, or `prefix-2`, `prefix-3` ... if a map of that name is there."""
+    for number in itertools.count(1):
+        name = str(prefix) if number == 1 else f"{prefix}-{number}"
+        if not any(Path(f"{name}{ending}").exists() for ending in (".yaml", ".pgm", ".png")):
+            return name
+    raise AssertionError("unreachable")
 
 
 def load_map(path: Path | str) -> OccupancyMap:

@@ -17,6 +17,7 @@ from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
 from grid_mapper.surface_points import SurfacePoints, surface_points
 
 # How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
+MIN_VARIANCE = 1e-8
 VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
 
 
@@ -74,6 +75,15 @@ class GridMapper:
         self._last: _Step | None = None
         self._key: tuple[int, SE2] | None = None
 
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Go on with other values; those marked read-only stay as they were."""
+        self.config = config
+        self._matcher.config = config.matcher
+        if isinstance(self.grid, LabelGrid):
+            self.grid.config = config.label
+        else:
+            self.grid.config = config.log_odds
+
     def insert_scan(
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
     ) -> ScanResult:
@@ -108,9 +118,11 @@ class GridMapper:
 
         Args:
             T_map_base: About where the robot is.
-            cov: Of (x, y, yaw) in map axes, shape (3, 3); None for 0.3 m and 0.2 rad.
+            cov: Of (x, y, yaw) in map axes, shape (3, 3); None, or one that claims to know a
+                coordinate exactly, stands for 0.3 m and 0.2 rad.
         """
-        cov = np.diag(VAGUE_SIGMAS**2) if cov is None else cov
+        if cov is None or np.linalg.eigvalsh(cov).min() < MIN_VARIANCE:
+            cov = np.diag(VAGUE_SIGMAS**2)
         if self._last is None:
             self._T_map_start = T_map_base
         else:
@@ -124,6 +136,11 @@ class GridMapper:
     def occupancy(self) -> OccupancyMap:
         """Return the map as it stands."""
         return self.grid.occupancy()
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held by the map to match to and the grid."""
+        return self._matcher.num_bytes + self.grid.num_bytes
 
     def _clipped(self, scan: Scan) -> Scan:
         """Return the scan with the configured range limits beside its own."""
@@ -140,9 +157,7 @@ class GridMapper:
         )  # fmt: skip
         return points.moved(T_base_laser)
 
-    def _predict(
-        self, stamp_ns: int, T_odom_base: SE2 | None
-    ) -> tuple[SE2, np.ndarray, float]:
+    def _predict(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, np.ndarray, float]:
         """Return the predicted pose, its covariance in map axes and the time passed."""
         last = self._last
         if last is None:

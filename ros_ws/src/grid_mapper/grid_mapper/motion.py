@@ -15,9 +15,7 @@ def odometry_motion(moved: SE2, config: MotionConfig) -> np.ndarray:
     return np.diag([along, along, turn]) ** 2
 
 
-def steady_motion(
-    velocity: np.ndarray, dt: float, config: MotionConfig
-) -> tuple[SE2, np.ndarray]:
+def steady_motion(velocity: np.ndarray, dt: float, config: MotionConfig) -> tuple[SE2, np.ndarray]:
     """Predict a motion without odometry: the velocity stays, the acceleration is noise.
 
     Args:

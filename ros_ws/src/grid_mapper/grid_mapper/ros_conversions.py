@@ -13,9 +13,7 @@ from floornav_common.ros.messages import ns_to_stamp, se2_cov_to_ros, se2_to_pos
 from floornav_common.se2 import SE2
 
 
-def pose_to_msg(
-    pose: SE2, cov: np.ndarray, stamp: Any, frame_id: str
-) -> PoseWithCovarianceStamped:
+def pose_to_msg(pose: SE2, cov: np.ndarray, stamp: Any, frame_id: str) -> PoseWithCovarianceStamped:
     """Return a pose with the covariance of (x, y, yaw), shape (3, 3)."""
     msg = PoseWithCovarianceStamped()
     msg.header.stamp, msg.header.frame_id = stamp, frame_id

@@ -58,13 +58,18 @@ class ScanMatcher:
     """Holds the map of surface cells and fits scans to it."""
 
     def __init__(self, config: ScanMatcherConfig) -> None:
-        self._config = config
+        self.config = config
         self._grid = TileGrid(config.cell_m, cells=(np.float64, (NUM_VALUES,)))
 
     @property
     def is_empty(self) -> bool:
         """True until the first scan is inserted."""
         return self._grid.num_tiles == 0
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held."""
+        return self._grid.num_bytes
 
     def match(self, scan: SurfacePoints, T_pred: SE2, cov_pred: np.ndarray) -> MatchResult:
         """Fit a scan, starting at the predicted pose and, if that is vague, round it.
@@ -90,7 +95,7 @@ class ScanMatcher:
         self, scan: SurfacePoints, stride: int, start: SE2, T_pred: SE2, prior: np.ndarray,
         width: float,
     ) -> MatchResult:  # fmt: skip
-        config, grid = self._config, self._grid
+        config, grid = self.config, self._grid
         pose, information, num_pairs, weight, error = _register(
             scan.points[::stride], scan.covs[::stride], start.as_array(), T_pred.as_array(),
             prior / stride, grid.fields["cells"], grid.table, grid.corner, config.cell_m,
@@ -108,7 +113,7 @@ class ScanMatcher:
     def insert(self, scan: SurfacePoints, T_map_base: SE2) -> None:
         """Add a scan at its pose to the map of surface cells."""
         moved = scan.moved(T_map_base)
-        cells = np.floor(moved.points[:, ::-1] / self._config.cell_m).astype(np.int64)
+        cells = np.floor(moved.points[:, ::-1] / self.config.cell_m).astype(np.int64)
         self._grid.ensure_tiles(missing_tiles(cells, self._grid.table, self._grid.corner))
         _insert(
             moved.points,
@@ -117,7 +122,7 @@ class ScanMatcher:
             self._grid.fields["cells"],
             self._grid.table,
             self._grid.corner,
-            self._config.max_points_per_cell,
+            self.config.max_points_per_cell,
         )
 
 

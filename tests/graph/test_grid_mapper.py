@@ -1,0 +1,222 @@
+"""The mapping node over DDS: what it sends, what it refuses, and what it keeps through trouble."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "grid_mapper"))
+
+from worlds import drive_around, scan_at, square_room
+
+from floornav_common.se2 import SE2
+from floornav_common.transform3 import Transform3
+from grid_mapper.map_files import load_map
+
+pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
+
+NODE = ("-m", "grid_mapper.nodes.grid_mapper_node")
+LASER = SE2(0.1, 0.0, 0.2)
+T0_NS = 1_000_000_000_000
+PERIOD_NS = 100_000_000
+TOL_M = 0.03
+
+
+class Robot:
+    """Drives through the square room and publishes what a robot would."""
+
+    def __init__(self, peer: Any) -> None:
+        from geometry_msgs.msg import PoseWithCovarianceStamped
+        from nav_msgs.msg import OccupancyGrid
+        from sensor_msgs.msg import LaserScan
+        from tf2_msgs.msg import TFMessage
+
+        from floornav_common.ros.qos import LATCHED_QOS, RELIABLE_QOS, TF_QOS
+        from floornav_common.ros.transforms import StaticTransformBroadcaster
+
+        self.peer = peer
+        self.maps = peer.collect(OccupancyGrid, "map", LATCHED_QOS)
+        self.poses = peer.collect(PoseWithCovarianceStamped, "pose", RELIABLE_QOS)
+        self.transforms = peer.collect(TFMessage, "/tf", TF_QOS)
+        self._tf_message = TFMessage
+        self._statics = StaticTransformBroadcaster(peer.node)
+        self._tf = peer.publisher(TFMessage, "/tf", TF_QOS)
+        self._scan = peer.publisher(LaserScan, "scan", RELIABLE_QOS)
+        self._statics.send("base_link", "laser", 0, Transform3.from_se2(LASER))
+        self.poses_driven = drive_around()
+        self.step = 0
+
+    def send_odometry(self, odom: SE2, stamp_ns: int) -> None:
+        from floornav_common.ros.transforms import _stamped
+
+        msg = self._tf_message()
+        msg.transforms = [_stamped("odom", "base_link", stamp_ns, Transform3.from_se2(odom))]
+        self._tf.publish(msg)
+
+    def send_scan(self, pose: SE2, stamp_ns: int, frame: str = "laser") -> None:
+        from std_msgs.msg import Header
+
+        from floornav_common.ros.messages import ns_to_stamp, scan_to_msg
+
+        rng = np.random.default_rng(self.step)
+        scan = scan_at(pose @ LASER, square_room(), rng=rng)
+        self._scan.publish(scan_to_msg(scan, Header(stamp=ns_to_stamp(stamp_ns), frame_id=frame)))
+
+    def drive(self, num: int) -> SE2:
+        """Send scans, each before the odometry that covers it, as real robots do."""
+        pose = SE2.identity()
+        for _ in range(num):
+            stamp_ns = T0_NS + self.step * PERIOD_NS
+            pose = self.poses_driven[self.step % len(self.poses_driven)]
+            self.send_scan(pose, stamp_ns)
+            self.send_odometry(self.poses_driven[0].between(pose), stamp_ns)
+            self.peer.spin(0.02)
+            self.step += 1
+        return self.poses_driven[0].between(pose)
+
+    def sent_by_mapper(self) -> list[Any]:
+        return [t for m in self.transforms for t in m.transforms if t.header.frame_id == "map"]
+
+
+@pytest.fixture
+def mapper(start: Callable[..., Any], peer: Any) -> SimpleNamespace:
+    node = start(*NODE, "--ros-args", "-p", "map_period_s:=0.2", "-p", "lost_after_s:=1.0")
+    node.wait_for("ready", 60.0)
+    return SimpleNamespace(node=node, robot=Robot(peer), peer=peer)
+
+
+def call(peer: Any, name: str) -> Any:
+    from std_srvs.srv import Trigger
+
+    client = peer.node.create_client(Trigger, name)
+    peer.spin_until(client.service_is_ready)
+    future = client.call_async(Trigger.Request())
+    peer.spin_until(future.done)
+    return future.result()
+
+
+def test_a_drive_gives_poses_a_map_and_map_to_odom(mapper):
+    from floornav_common.ros.messages import grid_from_msg, pose_to_se2
+
+    robot = mapper.robot
+    expected = robot.drive(30)
+    mapper.peer.spin_until(lambda: len(robot.poses) == 30)
+    last = robot.poses[-1]
+    assert last.header.frame_id == "map"
+    assert last.header.stamp.sec * 10**9 + last.header.stamp.nanosec == T0_NS + 29 * PERIOD_NS
+    assert expected.between(pose_to_se2(last.pose.pose)).distance < TOL_M
+    assert last.pose.covariance[0] > 0.0
+    mapper.peer.spin_until(lambda: robot.maps and robot.sent_by_mapper())
+    grid = grid_from_msg(robot.maps[-1])
+    wall = robot.poses_driven[0].inverse() @ np.array([[4.0, 0.5]])
+    assert grid.cells[tuple(grid.to_cells(wall)[0])] == 100
+    transform = robot.sent_by_mapper()[-1]
+    assert transform.child_frame_id == "odom"
+    assert abs(transform.transform.translation.x) < TOL_M
+
+
+def test_save_map_works_a_hundred_times_while_scans_arrive(mapper, tmp_path):
+    from rcl_interfaces.srv import SetParameters
+    from rclpy.parameter import Parameter
+
+    mapper.robot.drive(10)
+    mapper.peer.spin_until(lambda: bool(mapper.robot.maps))
+    client = mapper.peer.node.create_client(SetParameters, "grid_mapper/set_parameters")
+    mapper.peer.spin_until(client.service_is_ready)
+    for number in range(100):
+        mapper.robot.drive(1)
+        name = Parameter("map_file", value=str(tmp_path / f"m{number}")).to_parameter_msg()
+        future = client.call_async(SetParameters.Request(parameters=[name]))
+        mapper.peer.spin_until(future.done)
+        answer = call(mapper.peer, "grid_mapper/save_map")
+        assert answer.success, answer.message
+        assert (load_map(answer.message).cells == 100).any()
+    again = call(mapper.peer, "grid_mapper/save_map")
+    assert not again.success and "another name" in again.message
+
+
+def test_without_transforms_nothing_is_published_and_the_frame_is_named(mapper):
+    for step in range(15):
+        mapper.robot.send_scan(SE2.identity(), T0_NS + step * PERIOD_NS, frame="nowhere")
+        mapper.peer.spin(0.1)
+    assert "nowhere" in mapper.node.wait_for("dropped", 5.0)
+    assert not mapper.robot.poses and not mapper.robot.maps
+
+
+def test_a_blind_laser_means_lost_and_no_transform(mapper):
+    from std_msgs.msg import Header
+
+    from floornav_common.ros.messages import ns_to_stamp, scan_to_msg
+    from floornav_common.scan import Scan
+
+    robot = mapper.robot
+    robot.drive(15)
+    mapper.peer.spin_until(lambda: len(robot.poses) == 15)
+    blind = Scan(np.full(360, np.nan), -np.pi, 2.0 * np.pi / 360, 0.05, 30.0)
+    for _ in range(15):
+        stamp_ns = T0_NS + robot.step * PERIOD_NS
+        header = Header(stamp=ns_to_stamp(stamp_ns), frame_id="laser")
+        robot._scan.publish(scan_to_msg(blind, header))
+        robot.send_odometry(SE2.identity(), stamp_ns)
+        mapper.peer.spin(0.05)
+        robot.step += 1
+    mapper.node.wait_for("scan not trusted", 5.0)
+    mapper.peer.spin(0.5)
+    assert len(robot.poses) < 30
+    robot.transforms.clear()
+    mapper.peer.spin(0.5)
+    assert not robot.sent_by_mapper()
+
+
+def test_another_source_of_map_to_odom_is_named_and_left_alone(mapper):
+    from floornav_common.ros.transforms import _stamped
+
+    robot = mapper.robot
+    for _ in range(15):
+        msg = robot._tf_message()
+        other = Transform3.from_se2(SE2(5.0, 5.0, 0.0))
+        msg.transforms = [_stamped("map", "odom", T0_NS, other)]
+        robot._tf.publish(msg)
+        robot.drive(1)
+    assert "test_peer" in mapper.node.wait_for("also published by", 5.0)
+    assert all(t.transform.translation.x == 5.0 for t in robot.sent_by_mapper())
+
+
+def test_reset_empties_the_map(mapper):
+    mapper.robot.drive(10)
+    mapper.peer.spin_until(lambda: bool(mapper.robot.maps))
+    assert call(mapper.peer, "grid_mapper/reset").success
+    answer = call(mapper.peer, "grid_mapper/save_map")
+    assert not answer.success and "no cells" in answer.message
+
+
+def test_a_wrong_parameter_ends_the_node_with_one_line(start):
+    node = start(*NODE, "--ros-args", "-p", "matcher.cell_m:=-1.0")
+    assert node.wait_for_exit(30.0) == 2
+    assert "matcher.cell_m must be > 0" in node.text and "Traceback" not in node.text
+
+
+def test_odometry_without_transforms_is_taken_from_its_topic(mapper):
+    from nav_msgs.msg import Odometry
+
+    from floornav_common.ros.messages import ns_to_stamp, se2_to_pose
+    from floornav_common.ros.qos import RELIABLE_QOS
+
+    odom_pub = mapper.peer.publisher(Odometry, "odom", RELIABLE_QOS)
+    robot = mapper.robot
+    for step in range(10):
+        stamp_ns = T0_NS + step * PERIOD_NS
+        pose = robot.poses_driven[step]
+        robot.send_scan(pose, stamp_ns)
+        msg = Odometry(child_frame_id="base_link")
+        msg.header.frame_id, msg.header.stamp = "odom", ns_to_stamp(stamp_ns)
+        msg.pose.pose = se2_to_pose(robot.poses_driven[0].between(pose))
+        odom_pub.publish(msg)
+        mapper.peer.spin(0.05)
+    mapper.peer.spin_until(lambda: len(robot.poses) == 10)
