@@ -26,6 +26,7 @@ from _demo_report import (
 from _demo_watch import DemoWatch, Heard
 from _processes import ChildDiedError, Processes
 from floornav_common.reporting import Progress, say
+from floornav_common.ros.main import make_executor
 from sim_bridge.robot_model import load_robot
 from sim_bridge.simulation import Simulation
 from sim_bridge.solids import solids_of
@@ -67,8 +68,14 @@ class Demo:
         watch = DemoWatch()
         self._heard = watch.heard
 
+        executor = make_executor()
+        executor.add_node(watch)
+
         def spin() -> None:
-            rclpy.spin_once(watch, timeout_sec=0.05)
+            # One call handles one message or a batch, as the executor has it.
+            end = time.monotonic() + 0.05
+            while time.monotonic() < end:
+                executor.spin_once(timeout_sec=0.02)
 
         try:
             with Processes(self._out / "logs", os.environ) as children:
@@ -181,6 +188,7 @@ class Demo:
                 real_time_factor=str(float(self._args.rtf)),
                 view=str(self._has_window).lower(),
                 pace_topics="[cmd_vel, pose]",
+                pace_lag_s="0.12",
             ),
         }
         record = _SCRIPTS / "record.py"

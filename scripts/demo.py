@@ -100,8 +100,8 @@ def _parser() -> argparse.ArgumentParser:
     window.add_argument("--view", action="store_true", help="show pybullet's window")
     text = "stop after so many simulated seconds (default: at the end of the route)"
     parser.add_argument("--duration", type=_positive, metavar="S", default=None, help=text)
-    text = "simulated seconds in a second (default: 2; 0 = as fast as it goes)"
-    parser.add_argument("--rtf", type=float, default=2.0, metavar="F", help=text)
+    text = "simulated seconds in a second (default: 3; 0 = as fast as it goes)"
+    parser.add_argument("--rtf", type=float, default=3.0, metavar="F", help=text)
     add_common_options(parser)
     return parser
 

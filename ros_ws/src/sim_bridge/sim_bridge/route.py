@@ -18,6 +18,8 @@ _WINDOW = 0.6
 _ARRIVED = 0.1
 _SLOW_DOWN = 0.8
 _TURNS_BACK = 2.3
+_BRAKING_FACTOR = 2.5
+_SLOWEST = 0.35
 
 
 class RouteFollower:
@@ -41,9 +43,11 @@ class RouteFollower:
         if not self._legs:
             return None
         points = self._legs[0]
-        ahead = self._index + round(self._config.lookahead_m / _SAMPLE)
-        target = points[min(ahead, len(points) - 1)]
-        return self._steer(pose, target, float(np.hypot(*(points[-1] - here))))
+        near, far = (
+            pose.inverse() @ points[None, min(self._index + round(d / _SAMPLE), len(points) - 1)]
+            for d in (self._config.lookahead_m, _BRAKING_FACTOR * self._config.lookahead_m)
+        )
+        return self._steer(near[0], far[0], float(np.hypot(*(points[-1] - here))))
 
     def _is_at_end(self, here: np.ndarray) -> bool:
         # Only a window ahead is searched, so that a crossing is not taken for a short cut.
@@ -53,17 +57,22 @@ class RouteFollower:
         left = (len(points) - 1 - self._index) * _SAMPLE
         return left < _WINDOW and float(np.hypot(*(points[-1] - here))) < _ARRIVED
 
-    def _steer(self, pose: SE2, target: np.ndarray, left: float) -> Velocity:
-        config = self._config
-        dx, dy = float(target[0]) - pose.x, float(target[1]) - pose.y
-        error = wrap_angle(math.atan2(dy, dx) - pose.yaw)
-        distance = math.hypot(dx, dy)
-        limit = config.max_yaw_rate_rad_s
+    def _steer(self, near: np.ndarray, far: np.ndarray, left: float) -> Velocity:
+        """Return the command for two points of the route in the base frame, (2,) each.
+
+        Args:
+            near: The point it steers for.
+            far: A point farther on; the more it lies aside, the slower it drives.
+            left: Distance to the end of the leg.
+        """
+        config, limit = self._config, self._config.max_yaw_rate_rad_s
+        distance, error = float(np.hypot(*near)), math.atan2(near[1], near[0])
         if distance < 1e-3:
             return STOP
         if abs(error) > config.turn_on_spot_rad:
             return Velocity(0.0, math.copysign(min(limit, 2.0 * abs(error)), error))
-        speed = config.speed_m_s * math.cos(error) * min(1.0, 0.1 + left / _SLOW_DOWN)
+        bend = max(math.cos(math.atan2(far[1], far[0])), _SLOWEST)
+        speed = config.speed_m_s * bend * min(1.0, 0.1 + left / _SLOW_DOWN)
         curvature = 2.0 * math.sin(error) / distance
         if abs(curvature) * speed > limit:
             speed = limit / abs(curvature)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
+from typing import Any
 
+from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import SENSOR_QOS
 from sim_bridge.config import SimBridgeConfig
@@ -52,9 +54,13 @@ class PacingListener:
                 self._subscribe(topic, types[full_name][0])
 
     def _subscribe(self, topic: str, type_name: str) -> None:
-        def on_message(_: bytes) -> None:
-            self._pace.heard(topic, self._stamp_ns())
+        def on_message(msg: Any) -> None:
+            # A stamp says which instant is answered; without one it is the present.
+            header = getattr(msg, "header", None)
+            now_ns = self._stamp_ns()
+            stamp_ns = now_ns if header is None else stamp_to_ns(header.stamp)
+            self._pace.heard(topic, min(stamp_ns, now_ns))
 
         package, _, name = type_name.partition("/msg/")
         msg_type = getattr(import_module(f"{package}.msg"), name)
-        self._node.create_subscription(msg_type, topic, on_message, SENSOR_QOS, raw=True)
+        self._node.create_subscription(msg_type, topic, on_message, SENSOR_QOS)

@@ -35,6 +35,8 @@ from sim_bridge.world import load_world
 
 _TIMER_PERIOD_S = 0.002
 _MAX_BURST_S = 0.02
+_MAX_STEPS = 1000
+_PACED_STEPS = 2
 
 
 class SimBridgeNode(FloornavNode):
@@ -86,8 +88,11 @@ class SimBridgeNode(FloornavNode):
         if self._config.lockstep:
             return
         self._owed_s = self._owed_s + factor * passed if factor else float("inf")
-        while self._owed_s >= STEP_NS * 1e-9 and time.monotonic() - now < _MAX_BURST_S:
-            if not self._pace.may_go_on(now):
+        # Paced, answers must be heard between steps, not after a burst of them.
+        num_steps = _PACED_STEPS if self._config.pace_topics else _MAX_STEPS
+        for _ in range(num_steps):
+            is_enough = self._owed_s < STEP_NS * 1e-9 or time.monotonic() - now > _MAX_BURST_S
+            if is_enough or not self._pace.may_go_on(now):
                 break
             self._owed_s -= STEP_NS * 1e-9
             self._step()
