@@ -9,6 +9,7 @@ from recording_builders import (
     data_file,
     drive,
     odom_message,
+    range_message,
     scan_message,
     tf_message,
     transform,
@@ -16,7 +17,7 @@ from recording_builders import (
 )
 
 from floornav_common.se2 import SE2
-from grid_mapper.recordings import RecordingError, RecordingOptions, open_recording
+from grid_mapper.recordings import RangeEvent, RecordingError, RecordingOptions, open_recording
 from grid_mapper.recordings.listing import describe_recording
 
 TOL_M = 1e-9
@@ -201,6 +202,38 @@ def test_empty_things_are_one_clear_line(tmp_path):
         assert "\n" not in str(error.value)
     with pytest.raises(RecordingError, match="no LaserScan"):
         read(write_bag(tmp_path / "bag", []))
+
+
+def test_sonars_come_among_the_scans_in_stamp_order(tmp_path):
+    messages = drive(3)
+    sonar = tf_message(transform(0, "base_link", "sonar_0", x=0.1, yaw=0.5))
+    readings = [
+        ("/sonar", START_NS + d, range_message(START_NS + d, value))
+        for d, value in ((10, 0.7), (20, 1.5))
+    ]
+    path = write_bag(
+        tmp_path / "bag",
+        sorted([("/tf_static", 1, sonar), *messages, *readings], key=lambda m: m[1]),
+    )
+    assert len(read(path)[1]) == 3
+    _, events = read(path, sonar_topics=("/sonar",))
+    assert [isinstance(e, RangeEvent) for e in events] == [False, True, True, False, False]
+    near, far = events[1], events[2]
+    assert (near.frame, near.fov) == ("sonar_0", 0.5)
+    assert near.range == pytest.approx(0.7) and far.range == math.inf
+    assert near.T_base_sonar.yaw == pytest.approx(0.5)
+
+
+def test_a_sonar_or_scan_without_transform_stops_nothing(tmp_path):
+    messages = drive(3)
+    lost = ("/scan", START_NS + 5, scan_message(START_NS + 5, frame="nowhere"))
+    recording, events = read(write_bag(tmp_path / "a", [*messages[:3], lost, *messages[3:]]))
+    assert len(events) == 3 and recording.counts.without_transform == 1
+    path = write_bag(
+        tmp_path / "b", [*messages, ("/sonar", START_NS, range_message(START_NS, 0.5))]
+    )
+    with pytest.raises(RecordingError, match="leave out --sonar-topic /sonar"):
+        read(path, sonar_topics=("/sonar",))
 
 
 def test_neato_scans_lose_their_repeated_beam():

@@ -25,7 +25,7 @@ from grid_mapper.trajectory_metrics import (
 
 SUMMARY_KEYS = (
     "scans", "scans_used", "scans_untrusted", "scans_without_transform", "stamps_backwards",
-    "stamps_repeated", "time_jumps", "malformed", "path_m", "duration_s",
+    "stamps_repeated", "time_jumps", "malformed", "ranges", "path_m", "duration_s",
     "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
     "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
     "relations_used", "relations_total", "relations_worst", "ate_m", "rpe_m", "gt_poses",
@@ -113,6 +113,7 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
         "stamps_repeated": counts.stamps_repeated,
         "time_jumps": counts.jumps,
         "malformed": counts.malformed,
+        "ranges": run.num_ranges,
         "path_m": path_length(run.trajectory),
         "duration_s": (max(stamps) - min(stamps)) * 1e-9 if stamps else 0.0,
         "ms_median": run.ms_quantile(0.5),
@@ -177,6 +178,8 @@ def screen_text(summary: dict[str, Any]) -> str:
     }  # fmt: skip
     if any(odd.values()):
         lines.append("met: " + ", ".join(f"{n} {name}" for name, n in odd.items() if n))
+    if s["ranges"]:
+        lines.append(f"sonar readings met: {s['ranges']} (the map is the laser's alone)")
     lines.extend(_relation_lines(s))
     if s["ate_m"] is not None:
         lines.append(f"ATE {s['ate_m']:.4f} m, RPE {s['rpe_m']:.4f} m ({s['gt_poses']} poses)")

@@ -49,7 +49,7 @@ class Choice:
         tf_topics: All topics of type TFMessage.
         base_frame: Frame of the robot.
         odom_frame: Frame of the odometry in TF; None where TF is not used for it.
-        statics: Static transforms; they hold from the start, whenever they were recorded.
+        tree: Which frames hang together; its static transforms hold from the start.
         info: What the user shall know.
     """
 
@@ -59,7 +59,7 @@ class Choice:
     tf_topics: tuple[str, ...]
     base_frame: str
     odom_frame: str | None
-    statics: tuple[StampedTransform, ...]
+    tree: FrameTree
     info: tuple[str, ...]
 
 
@@ -75,8 +75,6 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
         RecordingError: With the option that would settle what the bag leaves open.
     """
     scan_topic, scan_info = choose_scan_topic(bag, options)
-    for name in options.sonar_topics:
-        _require(bag, name, RANGE_TYPE, "--sonar-topic")
     tf_topics = tuple(t.name for t in bag.topics.values() if t.msgtype == TF_TYPE)
     tree = _read_tree(bag, tf_topics)
     first = _first_message(bag, scan_topic)
@@ -91,10 +89,11 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
     odom_info = _odom_info(bag, odom_topic, odom_frame, base, options)
     if odom_frame is not None:
         odom_topic = None
-    info = (scan_info, laser_info, odom_info)
+    sonar_info = [_sonar_info(bag, tree, base, name) for name in options.sonar_topics]
+    info = (scan_info, laser_info, odom_info, *sonar_info)
     return Choice(
         scan_topic, options.sonar_topics, odom_topic, tf_topics, base, odom_frame,
-        tuple(tree.statics.values()), info,
+        tree, info,
     )  # fmt: skip
 
 
@@ -190,6 +189,17 @@ def _laser_info(
     raise RecordingError(
         f"{bag.path} has no transform from {base} to {scan_frame}:"
         " say where the laser sits on the robot with --laser-pose X Y YAW (m, m, rad)"
+    )
+
+
+def _sonar_info(bag: Bag, tree: FrameTree, base: str, name: str) -> str:
+    _require(bag, name, RANGE_TYPE, "--sonar-topic")
+    first = _first_message(bag, name)
+    frame = "" if first is None else first.header.frame_id.removeprefix("/")
+    if tree.connects(base, frame):
+        return f"sonar: {name}, TF {base} -> {frame} and others of that topic"
+    raise RecordingError(
+        f"{bag.path} has no transform from {base} to {frame}: leave out --sonar-topic {name}"
     )
 
 

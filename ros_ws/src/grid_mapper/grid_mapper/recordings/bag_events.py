@@ -62,7 +62,7 @@ class Lockstep:
         self._num_taken = 0
         self._newest_ns: dict[str, int] = {}
         self._has_restarted = False
-        self._set_transforms(choice.statics, is_static=True)
+        self._set_transforms(choice.tree.statics.values(), is_static=True)
 
     def take(self, message: Message, content: Any) -> Iterator[Event]:
         """Take one message; yield every event that it makes ready."""
@@ -139,12 +139,7 @@ class Lockstep:
         frame = reading.message.header.frame_id
         is_scan = reading.topic == self._choice.scan_topic
         try:
-            if is_scan and self._options.laser_pose is not None:
-                T_base_sensor = Transform3.from_se2(self._options.laser_pose)
-            else:
-                T_base_sensor = self._buffer.lookup(
-                    self._choice.base_frame, frame, reading.stamp_ns
-                )
+            T_base_sensor = self._sensor_pose(frame, is_scan, reading.stamp_ns)
             T_odom_base = self._odometry(reading.stamp_ns)
         except PastExtrapolationError as error:
             raise NeverCoveredError from error
@@ -155,6 +150,14 @@ class Lockstep:
         if is_scan:
             return scan_event(reading.message, T_base_sensor, T_odom_base, reading.follows_jump)
         return range_event(reading.message, T_base_sensor, T_odom_base)
+
+    def _sensor_pose(self, frame: str, is_scan: bool, stamp_ns: int) -> Transform3:
+        if is_scan and self._options.laser_pose is not None:
+            return Transform3.from_se2(self._options.laser_pose)
+        base = self._choice.base_frame
+        if not self._choice.tree.connects(base, frame.removeprefix("/")):
+            raise NeverCoveredError
+        return self._buffer.lookup(base, frame, stamp_ns)
 
     def _odometry(self, stamp_ns: int) -> SE2 | None:
         if not self._options.use_odom:
