@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from worlds import scan_at, square_room
 
 from floornav_common.grid import FREE, OCCUPIED, UNKNOWN
 from floornav_common.scan import Scan
@@ -16,7 +17,6 @@ from grid_mapper.label_grid import (
     LabelGrid,
     remove_noise,
 )
-from worlds import scan_at, square_room
 
 RESOLUTION = 0.05
 

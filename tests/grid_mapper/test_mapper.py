@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from worlds import drive_around, scan_at, square_room
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.mapper import GridMapper
-from worlds import drive_around, scan_at, square_room
 
 T_BASE_LASER = SE2(0.1, 0.0, 0.2)
 HALF_SECOND_NS = 500_000_000

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from worlds import box, drive_around, moved_walls, scan_at, square_room
 
 from floornav_common.se2 import SE2
 from grid_mapper.config import ScanMatcherConfig
 from grid_mapper.scan_matcher import ScanMatcher, starting_poses
 from grid_mapper.surface_points import surface_points
-from worlds import box, drive_around, moved_walls, scan_at, square_room
 
 CONFIG = ScanMatcherConfig()
 SHARP, VAGUE = np.diag([0.05, 0.05, 0.05]) ** 2, np.diag([0.3, 0.3, 0.3]) ** 2

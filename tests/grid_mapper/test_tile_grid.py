@@ -23,8 +23,7 @@ def test_values_stay_where_they_were_while_the_plane_grows(steps):
         expected[int(row), int(col)] = number
     dense, corner = grid.dense("value")
     found = {
-        (int(r + corner[0]), int(c + corner[1])): int(dense[r, c])
-        for r, c in np.argwhere(dense)
+        (int(r + corner[0]), int(c + corner[1])): int(dense[r, c]) for r, c in np.argwhere(dense)
     }
     assert found == expected
 

@@ -17,7 +17,7 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.beams import Beams, beams_of
 from grid_mapper.config import LabelGridConfig
-from grid_mapper.tile_grid import TILE_BITS, TILE_MASK, TileGrid, find_slot
+from grid_mapper.tile_grid import NOWHERE, TILE_BITS, TILE_MASK, TileGrid, find_slot
 
 LABEL_UNKNOWN, LABEL_FREE, LABEL_OCCUPIED = 0, 1, 2
 MAX_POINTS = np.iinfo(np.uint16).max
@@ -84,15 +84,9 @@ def remove_noise(
     if not candidate.any():
         return labels.copy()
     kernel = np.ones((2 * border_cells + 1, 2 * border_cells + 1), np.uint8)
-    unknown = cv2.copyMakeBorder(
-        (labels == LABEL_UNKNOWN).astype(np.uint8),
-        *[border_cells] * 4,
-        cv2.BORDER_CONSTANT,
-        value=1,
-    )
-    near_unknown = cv2.dilate(unknown, kernel)[
-        border_cells:-border_cells, border_cells:-border_cells
-    ]
+    k = border_cells  # what lies outside the array is unknown too
+    unknown = np.pad((labels == LABEL_UNKNOWN).astype(np.uint8), k, constant_values=1)
+    near_unknown = cv2.dilate(unknown, kernel)[k:-k, k:-k]
     near_free = cv2.dilate((labels == LABEL_FREE).astype(np.uint8), kernel)
     on_border = (near_unknown > 0) & (near_free > 0)
     judged = labels.copy()
@@ -145,7 +139,7 @@ def _sample_sector(  # type: ignore[no-untyped-def]
     u_reach = far if low < 0.0 < high else far * max(abs(cos_a), abs(cos_b))
     first = int(np.ceil(ou)) if side > 0 else int(np.floor(ou))
     start = abs(first - ou)
-    tile_row, tile_col = np.int64(1 << 40), np.int64(1 << 40)
+    tile_row, tile_col = NOWHERE, NOWHERE
     tile_labels, tile_points = labels[0], points[0]
     for k in range(int(np.floor(u_reach - start)) + 1):
         u, du = first + side * k, start + k

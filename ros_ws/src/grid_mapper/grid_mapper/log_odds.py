@@ -13,7 +13,7 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.beams import Beams, beams_of
 from grid_mapper.config import LogOddsConfig
-from grid_mapper.tile_grid import TILE_BITS, TILE_MASK, TileGrid, find_slot
+from grid_mapper.tile_grid import NOWHERE, TILE_BITS, TILE_MASK, TileGrid, find_slot
 
 
 class LogOddsGrid:
@@ -83,7 +83,7 @@ def trace_rays(  # type: ignore[no-untyped-def]
         num_cols, num_rows = abs(end_col - col), abs(end_row - row)
         step_col, step_row = (1 if end_col > col else -1), (1 if end_row > row else -1)
         error = num_cols - num_rows
-        tile_row, tile_col = np.int64(1 << 40), np.int64(1 << 40)
+        tile_row, tile_col = NOWHERE, NOWHERE
         tile = values[0]
         for k in range(max(num_cols, num_rows) + 1):
             if row >> TILE_BITS != tile_row or col >> TILE_BITS != tile_col:

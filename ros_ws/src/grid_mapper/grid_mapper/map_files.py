@@ -102,7 +102,7 @@ def load_map(path: Path | str) -> OccupancyMap:
         raise ValueError(f"{image_path} cannot be read as an image")
     origin = [float(v) for v in header["origin"]]
     cells = _from_image(image[::-1], header)
-    return OccupancyMap(cells, float(header["resolution"]), SE2(*origin[:2], origin[-1]))
+    return OccupancyMap(cells, float(header["resolution"]), SE2(origin[0], origin[1], origin[-1]))
 
 
 def _to_image(cells: np.ndarray, mode: str) -> np.ndarray:

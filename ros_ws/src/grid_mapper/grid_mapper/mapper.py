@@ -1,8 +1,8 @@
-"""The laser mapper: dead reckoning, scan-to-map ICP, grid (glass paper, sections 3 and 4)."""
+"""The laser mapper: every scan gets its pose, key scans enter the grid (glass paper, 3 and 4)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,74 +11,40 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.label_grid import LabelGrid
+from grid_mapper.localizer import ScanLocalizer, ScanResult
 from grid_mapper.log_odds import LogOddsGrid
-from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
-from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
-from grid_mapper.surface_points import SurfacePoints, surface_points
-
-# How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
-MIN_VARIANCE = 1e-8
-VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
-
-
-@dataclass(frozen=True)
-class ScanResult:
-    """What became of a scan.
-
-    Attributes:
-        T_map_base: Pose of the robot at the scan's stamp.
-        cov: Of (x, y, yaw) in map axes, shape (3, 3), SI.
-        is_trusted: False where the match was refused and the pose is the prediction.
-        reason: Why it was refused; "" if trusted.
-        is_key_scan: True if the scan entered the map.
-        overlap: Share of the scan's points that found the map, 0..1; 1 for the first scan.
-    """
-
-    T_map_base: SE2
-    cov: np.ndarray
-    is_trusted: bool
-    reason: str
-    is_key_scan: bool
-    overlap: float
-
-
-@dataclass(frozen=True)
-class _Step:
-    """State after a scan, from which the next is predicted."""
-
-    stamp_ns: int
-    T_map_base: SE2
-    T_odom_base: SE2 | None
-    cov: np.ndarray
-    velocity: np.ndarray
 
 
 class GridMapper:
-    """Turns scans into a trajectory and a map."""
+    """Turns scans into a trajectory and a map.
+
+    Attributes:
+        config: Its values; change them with `reconfigure`.
+        grid: The grid by the rule chosen.
+        trajectory: (stamp_ns, T_map_base) of every scan.
+    """
 
     def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
         """Start with an empty map; `T_map_start` is the first pose, the map's origin by default."""
         self.config = config
-        self._T_map_start = T_map_start or SE2.identity()
+        self._T_map_start = T_map_start
         self.reset()
 
     def reset(self) -> None:
         """Forget the map and the trajectory."""
-        resolution = self.config.resolution_m
-        self._matcher = ScanMatcher(self.config.matcher)
+        config = self.config
+        self._localizer = ScanLocalizer(config, self._T_map_start)
         self.grid: LabelGrid | LogOddsGrid = (
-            LabelGrid(self.config.label, resolution)
-            if self.config.grid == "label"
-            else LogOddsGrid(self.config.log_odds, resolution)
+            LabelGrid(config.label, config.resolution_m)
+            if config.grid == "label"
+            else LogOddsGrid(config.log_odds, config.resolution_m)
         )
         self.trajectory: list[tuple[int, SE2]] = []
-        self._last: _Step | None = None
-        self._key: tuple[int, SE2] | None = None
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Go on with other values; those marked read-only stay as they were."""
         self.config = config
-        self._matcher.config = config.matcher
+        self._localizer.reconfigure(config)
         if isinstance(self.grid, LabelGrid):
             self.grid.config = config.label
         else:
@@ -95,43 +61,20 @@ class GridMapper:
             T_base_laser: Pose of the laser on the robot.
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
-        points = self._points(scan, T_base_laser)
-        T_pred, cov_pred, dt = self._predict(stamp_ns, T_odom_base)
-        if self._matcher.is_empty:
-            result = self._first(points, T_pred, cov_pred)
-        else:
-            match = self._matcher.match(points, T_pred, cov_pred)
-            result = self._judge(match, len(points), T_pred, cov_pred)
-        is_key = result.is_trusted and self._is_key(stamp_ns, result.T_map_base)
-        if is_key:
-            self._matcher.insert(points, result.T_map_base)
-            self.grid.add_scan(self._clipped(scan), result.T_map_base @ T_base_laser)
-            self._key = (stamp_ns, result.T_map_base)
-        self._remember(stamp_ns, T_odom_base, result, dt)
-        return ScanResult(
-            result.T_map_base, result.cov, result.is_trusted, result.reason, is_key,
-            result.overlap,
-        )  # fmt: skip
+        scan = self._clipped(scan)
+        result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
+        if result.is_key_scan:
+            self.grid.add_scan(scan, result.T_map_base @ T_base_laser)
+        self.trajectory.append((stamp_ns, result.T_map_base))
+        return result
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
-        """Go on from another pose, as told from outside; the next scan settles it.
-
-        Args:
-            T_map_base: About where the robot is.
-            cov: Of (x, y, yaw) in map axes, shape (3, 3); None, or one that claims to know a
-                coordinate exactly, stands for 0.3 m and 0.2 rad.
-        """
-        if cov is None or np.linalg.eigvalsh(cov).min() < MIN_VARIANCE:
-            cov = np.diag(VAGUE_SIGMAS**2)
-        if self._last is None:
-            self._T_map_start = T_map_base
-        else:
-            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, np.zeros(3))
+        """Go on from another pose; see `ScanLocalizer.relocate`."""
+        self._localizer.relocate(T_map_base, cov)
 
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. The map and the pose stay."""
-        if self._last is not None:
-            self.relocate(self._last.T_map_base)
+        self._localizer.break_motion()
 
     def occupancy(self) -> OccupancyMap:
         """Return the map as it stands."""
@@ -140,78 +83,10 @@ class GridMapper:
     @property
     def num_bytes(self) -> int:
         """Bytes held by the map to match to and the grid."""
-        return self._matcher.num_bytes + self.grid.num_bytes
+        return self._localizer.num_bytes + self.grid.num_bytes
 
     def _clipped(self, scan: Scan) -> Scan:
         """Return the scan with the configured range limits beside its own."""
         low = max(scan.range_min, self.config.min_range_m)
         high = min(scan.range_max, self.config.max_range_m)
-        return Scan(scan.ranges, scan.angle_min, scan.angle_increment, low, high)
-
-    def _points(self, scan: Scan, T_base_laser: SE2) -> SurfacePoints:
-        matcher = self.config.matcher
-        points_laser = self._clipped(scan).points()
-        points = surface_points(
-            points_laser, np.zeros(2), scan.angle_increment, matcher.range_sigma_m,
-            0.5 * matcher.cell_m,
-        )  # fmt: skip
-        return points.moved(T_base_laser)
-
-    def _predict(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, np.ndarray, float]:
-        """Return the predicted pose, its covariance in map axes and the time passed."""
-        last = self._last
-        if last is None:
-            return self._T_map_start, np.zeros((3, 3)), 0.0
-        dt = max(0.0, (stamp_ns - last.stamp_ns) * 1e-9)
-        if T_odom_base is not None and last.T_odom_base is not None:
-            moved = last.T_odom_base.between(T_odom_base)
-            cov = odometry_motion(moved, self.config.motion)
-        else:
-            moved, cov = steady_motion(last.velocity, dt, self.config.motion)
-        return last.T_map_base @ moved, last.cov + rotated(cov, last.T_map_base.yaw), dt
-
-    def _first(self, points: SurfacePoints, T_pred: SE2, cov: np.ndarray) -> ScanResult:
-        if len(points) < self.config.min_pairs:
-            reason = f"only {len(points)} points in the first scan"
-            return ScanResult(T_pred, cov, False, reason, False, 0.0)
-        return ScanResult(T_pred, cov, True, "", True, 1.0)
-
-    def _judge(
-        self, match: MatchResult, num_points: int, T_pred: SE2, cov_pred: np.ndarray
-    ) -> ScanResult:
-        """Believe a match, or say why not and keep the prediction."""
-        off = offset(T_pred, match.T_map_base)
-        sigmas = float(np.sqrt(off @ np.linalg.solve(cov_pred, off)))
-        config, reason = self.config, ""
-        if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
-            reason = f"{match.num_pairs} of {num_points} points found the map"
-        elif match.agreement < config.min_agreement:
-            reason = f"the points that found the map agree with it by {match.agreement:.2f}"
-        elif match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
-            reason = f"a match of few points is {sigmas:.1f} deviations from the prediction"
-        if reason:
-            return ScanResult(T_pred, cov_pred, False, reason, False, match.overlap)
-        cov = np.linalg.inv(np.linalg.inv(cov_pred) + match.information)
-        return ScanResult(match.T_map_base, cov, True, "", False, match.overlap)
-
-    def _is_key(self, stamp_ns: int, T_map_base: SE2) -> bool:
-        if self._key is None:
-            return True
-        key_ns, key_pose = self._key
-        moved, period = key_pose.between(T_map_base), self.config.key_period_s
-        return (
-            moved.distance >= self.config.key_distance_m
-            or abs(moved.yaw) >= self.config.key_turn_rad
-            or (period > 0.0 and stamp_ns - key_ns >= period * 1e9)
-        )
-
-    def _remember(
-        self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, dt: float
-    ) -> None:
-        last = self._last
-        velocity = np.zeros(3)
-        if last is not None:
-            moved = last.T_map_base.between(result.T_map_base)
-            velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
-        self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, velocity)
-        self.trajectory.append((stamp_ns, result.T_map_base))
+        return replace(scan, range_min=low, range_max=high)

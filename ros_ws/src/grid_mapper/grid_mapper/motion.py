@@ -21,6 +21,7 @@ def steady_motion(velocity: np.ndarray, dt: float, config: MotionConfig) -> tupl
     Args:
         velocity: Of (x, y, yaw) in the robot's axes, shape (3,), m/s and rad/s.
         dt: Time to predict for, s.
+        config: How fast velocity changes.
 
     Returns:
         The motion and its covariance, shape (3, 3).
@@ -40,6 +41,7 @@ def updated_velocity(
         velocity: Before the step, shape (3,), m/s and rad/s.
         moved: The step.
         dt: Time it took by the stamps, s.
+        config: Over which time to smooth.
     """
     return velocity + (moved.as_array() - velocity * dt) / (dt + config.smoothing_s)
 

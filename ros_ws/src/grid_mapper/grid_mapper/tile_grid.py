@@ -14,6 +14,7 @@ TILE_BITS = 6
 TILE_CELLS = 1 << TILE_BITS
 TILE_MASK = TILE_CELLS - 1
 NO_TILE = -1
+NOWHERE = 1 << 40  # a tile row no plane has
 
 
 class TileGrid:
@@ -36,7 +37,7 @@ class TileGrid:
         self.table = np.full((1, 1), NO_TILE, np.int32)
         self.corner = np.zeros(2, np.int64)
         self.num_tiles = 0
-        self.fields = {
+        self.fields: dict[str, np.ndarray] = {
             name: np.zeros((1, TILE_CELLS, TILE_CELLS, *shape), dtype)
             for name, (dtype, shape) in fields.items()
         }
@@ -47,9 +48,10 @@ class TileGrid:
             return
         self._cover(tiles.min(axis=0), tiles.max(axis=0))
         local = tiles - self.corner
-        new = np.unique(local[self.table[local[:, 0], local[:, 1]] == NO_TILE], axis=0)
-        if len(new) == 0:
+        is_new = self.table[local[:, 0], local[:, 1]] == NO_TILE
+        if not is_new.any():
             return
+        new = np.unique(local[is_new], axis=0)
         self._reserve(self.num_tiles + len(new))
         self.table[new[:, 0], new[:, 1]] = np.arange(self.num_tiles, self.num_tiles + len(new))
         self.num_tiles += len(new)
@@ -117,7 +119,7 @@ def find_slot(table: np.ndarray, corner: np.ndarray, row: int, col: int) -> int:
 
 @numba.njit(cache=True)
 def missing_tiles(cells: np.ndarray, table: np.ndarray, corner: np.ndarray) -> np.ndarray:
-    """Return the tiles that (row, col) cells of shape (N, 2) need and `table` has not, shape (M, 2)."""
+    """Return the tiles that cells (N, 2) need and `table` has not, shape (M, 2)."""
     tiles = np.empty((len(cells), 2), np.int64)
     num = 0
     for i in range(len(cells)):

@@ -39,8 +39,9 @@ from floornav_common.transform3 import Transform3
 from floornav_common.transform_errors import TransformUnavailable
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from grid_mapper.laser_mount import level_scan
+from grid_mapper.localizer import ScanResult
 from grid_mapper.map_files import free_prefix, save_map
-from grid_mapper.mapper import GridMapper, ScanResult
+from grid_mapper.mapper import GridMapper
 from grid_mapper.nodes.map_to_odom import MapToOdom
 from grid_mapper.path_thinner import PathThinner
 from grid_mapper.ros_conversions import path_to_msg, pose_to_msg

@@ -50,9 +50,8 @@ def main(argv: list[str] | None = None) -> int:
         print("error: no message came, so no bag was written", file=sys.stderr)
         return 1
     writer.close()
-    for name, count in counts.items():
-        say(f"  {count:6d}  {name}", is_quiet=args.quiet)
-    say(f"{writer.num_messages} messages in {path}", is_quiet=args.quiet)
+    lines = [f"  {count:6d}  {name}" for name, count in counts.items()]
+    say("\n".join([*lines, f"{writer.num_messages} messages in {path}"]), is_quiet=args.quiet)
     return 0
 
 

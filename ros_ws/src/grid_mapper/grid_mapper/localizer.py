@@ -1,0 +1,188 @@
+"""Where the robot is: dead reckoning, then scan-to-map ICP (glass paper, section 3).
+
+Every scan is predicted from odometry (or from steady motion), fitted to the map of surface cells,
+and judged; key scans are added to that map.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
+from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
+from grid_mapper.surface_points import SurfacePoints, surface_points
+
+# How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
+VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
+MIN_VARIANCE = 1e-8
+
+
+@dataclass(frozen=True)
+class ScanResult:
+    """What became of a scan.
+
+    Attributes:
+        T_map_base: Pose of the robot at the scan's stamp.
+        cov: Of (x, y, yaw) in map axes, shape (3, 3), SI.
+        is_trusted: False where the match was refused and the pose is the prediction.
+        reason: Why it was refused; "" if trusted.
+        is_key_scan: True if the scan entered the map.
+        overlap: Share of the scan's points that found the map, 0..1; 1 for the first scan.
+    """
+
+    T_map_base: SE2
+    cov: np.ndarray
+    is_trusted: bool
+    reason: str
+    is_key_scan: bool
+    overlap: float
+
+
+@dataclass(frozen=True)
+class _Step:
+    """State after a scan, from which the next is predicted."""
+
+    stamp_ns: int
+    T_map_base: SE2
+    T_odom_base: SE2 | None
+    cov: np.ndarray
+    velocity: np.ndarray
+
+
+class ScanLocalizer:
+    """Turns scans into poses in the map that they make."""
+
+    def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
+        """Start knowing nothing; `T_map_start` is the first pose, the map's origin by default."""
+        self.config = config
+        self._T_map_start = T_map_start or SE2.identity()
+        self._matcher = ScanMatcher(config.matcher)
+        self._last: _Step | None = None
+        self._key: tuple[int, SE2] | None = None
+
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Go on with other values; those marked read-only stay as they were."""
+        self.config = config
+        self._matcher.config = config.matcher
+
+    def localize(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> ScanResult:
+        """Find the pose of one scan, and keep the scan if the robot has moved on.
+
+        Args:
+            stamp_ns: Of the scan.
+            scan: In the laser's frame.
+            T_base_laser: Pose of the laser on the robot.
+            T_odom_base: Odometry at the stamp; None to expect steady motion instead.
+        """
+        points = self._points(scan, T_base_laser)
+        T_pred, cov_pred, dt = self._predict(stamp_ns, T_odom_base)
+        if self._matcher.is_empty:
+            result = self._first(len(points), T_pred, cov_pred)
+        else:
+            match = self._matcher.match(points, T_pred, cov_pred)
+            result = self._judge(match, len(points), T_pred, cov_pred)
+        is_key = result.is_trusted and self._is_key(stamp_ns, result.T_map_base)
+        if is_key:
+            self._matcher.insert(points, result.T_map_base)
+            self._key = (stamp_ns, result.T_map_base)
+        self._remember(stamp_ns, T_odom_base, result, dt)
+        return replace(result, is_key_scan=is_key)
+
+    def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
+        """Go on from another pose, as told from outside; the next scan settles it.
+
+        Args:
+            T_map_base: About where the robot is.
+            cov: Of (x, y, yaw) in map axes, shape (3, 3); None, or one that claims to know a
+                coordinate exactly, stands for 0.3 m and 0.2 rad.
+        """
+        if cov is None or np.linalg.eigvalsh(cov).min() < MIN_VARIANCE:
+            cov = np.diag(VAGUE_SIGMAS**2)
+        if self._last is None:
+            self._T_map_start = T_map_base
+        else:
+            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, np.zeros(3))
+
+    def break_motion(self) -> None:
+        """Forget the motion so far: time or odometry jumped. The map and the pose stay."""
+        if self._last is not None:
+            self.relocate(self._last.T_map_base)
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held by the map to match to."""
+        return self._matcher.num_bytes
+
+    def _points(self, scan: Scan, T_base_laser: SE2) -> SurfacePoints:
+        matcher = self.config.matcher
+        points_laser = scan.points()
+        points = surface_points(
+            points_laser, np.zeros(2), scan.angle_increment, matcher.range_sigma_m,
+            0.5 * matcher.cell_m,
+        )  # fmt: skip
+        return points.moved(T_base_laser)
+
+    def _predict(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, np.ndarray, float]:
+        """Return the predicted pose, its covariance in map axes and the time passed."""
+        last = self._last
+        if last is None:
+            return self._T_map_start, np.zeros((3, 3)), 0.0
+        dt = max(0.0, (stamp_ns - last.stamp_ns) * 1e-9)
+        if T_odom_base is not None and last.T_odom_base is not None:
+            moved = last.T_odom_base.between(T_odom_base)
+            cov = odometry_motion(moved, self.config.motion)
+        else:
+            moved, cov = steady_motion(last.velocity, dt, self.config.motion)
+        return last.T_map_base @ moved, last.cov + rotated(cov, last.T_map_base.yaw), dt
+
+    def _first(self, num_points: int, T_pred: SE2, cov: np.ndarray) -> ScanResult:
+        if num_points < self.config.min_pairs:
+            reason = f"only {num_points} points in the first scan"
+            return ScanResult(T_pred, cov, False, reason, False, 0.0)
+        return ScanResult(T_pred, cov, True, "", True, 1.0)
+
+    def _judge(
+        self, match: MatchResult, num_points: int, T_pred: SE2, cov_pred: np.ndarray
+    ) -> ScanResult:
+        """Believe a match, or say why not and keep the prediction."""
+        off = offset(T_pred, match.T_map_base)
+        sigmas = float(np.sqrt(off @ np.linalg.solve(cov_pred, off)))
+        config, reason = self.config, ""
+        if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
+            reason = f"{match.num_pairs} of {num_points} points found the map"
+        elif match.agreement < config.min_agreement:
+            reason = f"the points that found the map agree with it by {match.agreement:.2f}"
+        elif match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
+            reason = f"a match of few points is {sigmas:.1f} deviations from the prediction"
+        if reason:
+            return ScanResult(T_pred, cov_pred, False, reason, False, match.overlap)
+        cov = np.linalg.inv(np.linalg.inv(cov_pred) + match.information)
+        return ScanResult(match.T_map_base, cov, True, "", False, match.overlap)
+
+    def _is_key(self, stamp_ns: int, T_map_base: SE2) -> bool:
+        if self._key is None:
+            return True
+        key_ns, key_pose = self._key
+        moved, period = key_pose.between(T_map_base), self.config.key_period_s
+        return (
+            moved.distance >= self.config.key_distance_m
+            or abs(moved.yaw) >= self.config.key_turn_rad
+            or (period > 0.0 and stamp_ns - key_ns >= period * 1e9)
+        )
+
+    def _remember(
+        self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, dt: float
+    ) -> None:
+        last = self._last
+        velocity = np.zeros(3)
+        if last is not None:
+            moved = last.T_map_base.between(result.T_map_base)
+            velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
+        self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, velocity)
