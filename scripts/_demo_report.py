@@ -52,7 +52,6 @@ def figures(heard: Heard, start: SE2, surfaces: list[Solid], wall_s: float) -> d
         "sim_s": round(heard.sim_s, 3),
         "rtf": heard.sim_s / wall_s if wall_s else None,
         "path_m": heard.path,
-        "scans": heard.num_scans,
         "scans_used": len(heard.estimate),
         "ate_m": {"mean": _mean(estimate[:, 1]), "rms": _rms(estimate[:, 1])},
         "final_error_m": _last(estimate[:, 1]),

@@ -95,6 +95,7 @@ class Demo:
         is_there = bag.is_dir() and any(bag.iterdir())
         return {
             **found,
+            "scans": self._num_scans(),
             "touched": self._heard.has_touched,
             "bag": "bag" if is_there else None,
             **({"problem": self.problem} if self.problem else {}),
@@ -149,6 +150,11 @@ class Demo:
         children.check(may_end=("route_follower",))
         if total is None and heard.sim_s >= _LONGEST_S:
             raise ChildDiedError(f"the route was not driven in {_LONGEST_S:.0f} simulated seconds")
+
+    def _num_scans(self) -> int:
+        # Counted from time: a busy machine may lose a message on the way to this process.
+        laser = load_robot(self._world.robots[0]).config.laser
+        return 0 if laser is None else int(self._heard.sim_s / laser.period_s + 1e-6)
 
     def _touch(self) -> str:
         if not self._heard.has_touched:

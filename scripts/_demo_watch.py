@@ -9,7 +9,6 @@ from typing import Any
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.node import Node
-from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
 
 from floornav_common.grid import OccupancyMap
@@ -28,7 +27,6 @@ class Heard:
         truth: True poses in the world.
         odometry: Dead reckoning in the odom frame.
         estimate: The mapper's poses in the map frame.
-        num_scans: Scans the laser sent.
         has_touched: True once the robot touched something.
         touched_at: Where it was then.
         grid: The newest map.
@@ -39,7 +37,6 @@ class Heard:
     truth: Track = field(default_factory=list)
     odometry: Track = field(default_factory=list)
     estimate: Track = field(default_factory=list)
-    num_scans: int = 0
     has_touched: bool = False
     touched_at: SE2 | None = None
     grid: OccupancyMap | None = None
@@ -63,7 +60,6 @@ class DemoWatch(Node):
             (Odometry, "ground_truth/odom", self._on_truth, deep),
             (Odometry, "odom", self._on_odom, deep),
             (PoseWithCovarianceStamped, "pose", self._on_pose, deep),
-            (LaserScan, "scan", self._on_scan, deep),
             (OccupancyGrid, "map", self._on_map, LATCHED_QOS),
             (Bool, "ground_truth/contact", self._on_contact, LATCHED_QOS),
         ):
@@ -81,9 +77,6 @@ class DemoWatch(Node):
 
     def _on_pose(self, msg: Any) -> None:
         self.heard.estimate.append((stamp_to_ns(msg.header.stamp), pose_to_se2(msg.pose.pose)))
-
-    def _on_scan(self, _: Any) -> None:
-        self.heard.num_scans += 1
 
     def _on_map(self, msg: Any) -> None:
         grid = grid_from_msg(msg)
