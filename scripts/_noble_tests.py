@@ -18,6 +18,7 @@ from _python_choice import candidates, probe
 
 LOCK = ROOT / "requirements" / "noble.txt"
 PREFIX = ROOT / ".venv-noble"
+TESTS = ROOT / "tests"
 
 
 def main() -> int:
@@ -43,14 +44,14 @@ def main() -> int:
     environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     environ["NUMBA_CACHE_DIR"] = str(PREFIX / "cache" / "numba")
     environ["MPLCONFIGDIR"] = str(PREFIX / "cache" / "matplotlib")
-    folders = [str(p) for p in sorted((ROOT / "tests").iterdir()) if _holds_core_tests(p)]
-    command = [str(PREFIX / "bin" / "python"), "-m", "pytest", *folders, *sys.argv[1:]]
+    ignored = [f"--ignore=tests/{p.name}" for p in sorted(TESTS.iterdir()) if not _is_core(p)]
+    command = [str(PREFIX / "bin" / "python"), "-m", "pytest", "tests", *ignored, *sys.argv[1:]]
     return subprocess.run(command, cwd=ROOT, env=environ).returncode
 
 
-def _holds_core_tests(folder):
-    """Tell whether a folder under tests/ belongs to a package (the others need ROS or scripts)."""
-    return folder.is_dir() and (ROOT / "ros_ws" / "src" / folder.name).is_dir()
+def _is_core(path):
+    """Tell whether tests need neither ROS nor the scripts: those named after a package."""
+    return path.name == "conftest.py" or (ROOT / "ros_ws" / "src" / path.name).is_dir()
 
 
 def _python_3_12():

@@ -37,6 +37,7 @@ FROM_PIP = {
     "apsw": "apsw",
     "backports": "backports-zstd",
     "kiss_icp": "kiss-icp",
+    "lz4": "lz4",
     "numba": "numba",
     "rich": "rich",
     "rosbags": "rosbags",
