@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import socket
 import sys
 import time
 from collections.abc import Callable
@@ -24,7 +23,7 @@ from _demo_report import (
     write_tum,
 )
 from _demo_watch import DemoWatch, Heard
-from _processes import ChildDiedError, Processes
+from _processes import ChildDiedError, Processes, free_domain
 from floornav_common.reporting import Progress, say
 from floornav_common.ros.main import make_executor
 from sim_bridge.robot_model import load_robot
@@ -63,7 +62,7 @@ class Demo:
 
     def run(self) -> None:
         """Start everything, watch until the end of the route, stop everything."""
-        os.environ.setdefault("ROS_DOMAIN_ID", str(_free_domain()))
+        os.environ.setdefault("ROS_DOMAIN_ID", str(free_domain()))
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         watch = DemoWatch()
         self._heard = watch.heard
@@ -238,16 +237,3 @@ def _note(heard: Any) -> str:
         f"{heard.sim_s:5.1f} s simulated, {heard.path:5.1f} m driven, "
         f"{len(heard.estimate)} scans mapped"
     )
-
-
-def _free_domain() -> int:
-    """Return a ROS domain on which nobody discovers, so that the demo mixes with no other graph."""
-    first = os.getpid() % 100
-    for domain in (1 + (first + k) % 100 for k in range(100)):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            try:
-                probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
-            except OSError:
-                continue
-            return domain
-    return 1 + first

@@ -41,13 +41,13 @@ def _run(*words: str) -> tuple[int, str]:
 
 
 def test_a_short_run_leaves_all_its_results(tmp_path: Path) -> None:
-    code, text = _run("--duration", "6", "--seed", "3", "--out", str(tmp_path / "out"))
+    code, text = _run("--duration", "10", "--seed", "3", "--out", str(tmp_path / "out"))
     assert code == 0, text
     out = tmp_path / "out"
     summary = json.loads((out / "summary.json").read_text())
     assert set(KEYS) <= set(summary)
     assert summary["ok"] and not summary["partial"] and summary["seed"] == 3
-    assert summary["path_m"] > 1.0 and summary["scans_used"] > 20
+    assert summary["path_m"] > 0.3 and summary["scans_used"] > 20
     assert summary["ate_m"]["rms"] < 0.1 and summary["map_error_m"] < 0.1
     names = ("map.png", "errors.png", "world.png", "trajectory.tum", "ground_truth.tum")
     for name in (*names, "report.html"):
