@@ -38,10 +38,12 @@ def test_summary_begins_with_the_common_keys_and_has_null_for_nan(tmp_path: Path
 
 
 def test_summary_of_a_stopped_block_is_marked_partial(tmp_path: Path) -> None:
-    with pytest.raises(KeyboardInterrupt):
-        with summary(tmp_path, command="c", seed=0, values={"scans": None}) as values:
-            values["scans"] = 7
-            raise KeyboardInterrupt
+    with (
+        pytest.raises(KeyboardInterrupt),
+        summary(tmp_path, command="c", seed=0, values={"scans": None}) as values,
+    ):
+        values["scans"] = 7
+        raise KeyboardInterrupt
     read = json.loads((tmp_path / "summary.json").read_text())
     assert (read["ok"], read["partial"], read["scans"]) == (False, True, 7)
 

@@ -25,9 +25,18 @@ def test_a_wall_is_thin_across_and_wide_along(angle):
     assert across @ cov @ across == pytest.approx(SIGMA**2, rel=1e-6)
 
 
-def test_a_lone_point_is_equally_vague_all_round():
-    patch = surface_points(np.array([[1.0, 2.0]]), np.zeros(2), 0.01, SIGMA, SPREAD)
-    assert patch.covs[0] == pytest.approx([SPREAD**2, 0.0, SPREAD**2])
+def test_a_lone_point_is_as_vague_as_the_gap_to_the_next():
+    patch = surface_points(np.array([[1.0, 2.0], [1.0, 2.9]]), np.zeros(2), 0.01, SIGMA, SPREAD)
+    assert patch.covs == pytest.approx(np.array([[0.81, 0.0, 0.81]] * 2))
+    assert (patch.normals == 0.0).all()
+
+
+def test_normals_point_to_the_sensor_across_the_wall():
+    wall = np.column_stack((np.full(9, 2.0), np.arange(-0.4, 0.41, 0.1)))
+    seen_from = {-1.0: np.array([0.0, 0.0]), 1.0: np.array([5.0, 0.0])}
+    for side, origin in seen_from.items():
+        patch = surface_points(wall, origin, 0.05, SIGMA, SPREAD)
+        assert patch.normals == pytest.approx(np.tile([side, 0.0], (9, 1)), abs=1e-9)
 
 
 def test_covariances_turn_with_the_points():

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
-from grid_mapper.tile_grid import tiles_on_rays
 
 
 @dataclass(frozen=True)
@@ -29,12 +29,6 @@ class Beams:
     is_hit: np.ndarray
     angle_increment: float
 
-    def tiles(self, resolution: float, margin: float) -> np.ndarray:
-        """Return the tiles these beams touch; `margin` (m) is added to each range."""
-        reach = (self.ranges + margin)[:, None]
-        ends = self.origin + reach * np.column_stack((np.cos(self.angles), np.sin(self.angles)))
-        return tiles_on_rays(self.origin, ends, resolution)
-
 
 def beams_of(scan: Scan, T_map_laser: SE2, no_return_free_m: float) -> Beams:
     """Place the usable beams of a scan in the map.
@@ -45,15 +39,25 @@ def beams_of(scan: Scan, T_map_laser: SE2, no_return_free_m: float) -> Beams:
         no_return_free_m: Length that a beam without return (`+inf`, REP 117) shows to be free,
             at most the scan's range_max; 0 leaves such beams out.
     """
-    is_hit = scan.is_hit
-    is_clear = np.isposinf(scan.ranges) if no_return_free_m > 0.0 else np.zeros_like(is_hit)
-    used = is_hit | is_clear
-    free = min(no_return_free_m, scan.range_max)
-    ranges = np.where(is_hit, scan.ranges, free)[used].astype(np.float64)
-    return Beams(
-        origin=np.array([T_map_laser.x, T_map_laser.y]),
-        angles=T_map_laser.yaw + scan.angles[used],
-        ranges=ranges,
-        is_hit=is_hit[used],
-        angle_increment=abs(scan.angle_increment),
-    )
+    angles, ranges, is_hit = _usable_beams(
+        scan.ranges, T_map_laser.yaw + scan.angle_min, scan.angle_increment,
+        scan.range_min, scan.range_max, min(no_return_free_m, scan.range_max),
+    )  # fmt: skip
+    origin = np.array([T_map_laser.x, T_map_laser.y])
+    return Beams(origin, angles, ranges, is_hit, abs(scan.angle_increment))
+
+
+@numba.njit(cache=True)
+def _usable_beams(  # type: ignore[no-untyped-def]
+    measured, first, increment, range_min, range_max, free
+):
+    angles, ranges = np.empty(len(measured)), np.empty(len(measured))
+    is_hit = np.empty(len(measured), np.bool_)
+    num = 0
+    for i in range(len(measured)):
+        r = measured[i]
+        hit = range_min <= r <= range_max and 0.0 < r < np.inf
+        if hit or (r == np.inf and free > 0.0):
+            angles[num], ranges[num], is_hit[num] = first + i * increment, r if hit else free, hit
+            num += 1
+    return angles[:num], ranges[:num], is_hit[:num]

@@ -36,12 +36,13 @@ class LabelGrid:
 
     def add_beams(self, beams: Beams) -> None:
         """Sample beams given in the map frame (4.1)."""
-        half_angle = 0.5 * (self.config.beam_angle_rad or beams.angle_increment)
         grid = self._grid
-        grid.ensure_tiles(beams.tiles(grid.resolution, self.config.range_tolerance_m))
+        half_angle = 0.5 * (self.config.beam_angle_rad or beams.angle_increment)
+        origin, ranges = beams.origin / grid.resolution, beams.ranges / grid.resolution
+        tolerance = self.config.range_tolerance_m / grid.resolution
+        grid.ensure_rays(origin, beams.angles, ranges + tolerance)
         sample_sectors(
-            beams.origin / grid.resolution, beams.angles, beams.ranges / grid.resolution,
-            beams.is_hit, half_angle, self.config.range_tolerance_m / grid.resolution,
+            origin, beams.angles, ranges, beams.is_hit, half_angle, tolerance,
             grid.fields["labels"], grid.fields["points"], grid.table, grid.corner,
         )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""The log-odds occupancy grid that the field uses (Moravec & Elfes 1985; Thrun et al. 2005, Table 9.1).
+"""The log-odds occupancy grid that the field uses (Thrun et al. 2005, Table 9.1).
 
 Each beam is a ray: cells it crosses become freer, the cell it ends in more occupied.
 """
@@ -31,10 +31,11 @@ class LogOddsGrid:
         """Trace beams given in the map frame."""
         grid, config = self._grid, self.config
         steps = [np.float32(log_odds(p)) for p in (config.p_miss, config.p_hit, config.p_max)]
-        grid.ensure_tiles(beams.tiles(grid.resolution, 0.0))
+        origin, ranges = beams.origin / grid.resolution, beams.ranges / grid.resolution
+        grid.ensure_rays(origin, beams.angles, ranges)
         trace_rays(
-            beams.origin / grid.resolution, beams.angles, beams.ranges / grid.resolution,
-            beams.is_hit, *steps, grid.fields["log_odds"], grid.table, grid.corner,
+            origin, beams.angles, ranges, beams.is_hit, *steps,
+            grid.fields["log_odds"], grid.table, grid.corner,
         )  # fmt: skip
 
     def occupancy(self) -> OccupancyMap:

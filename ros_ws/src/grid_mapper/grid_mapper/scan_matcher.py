@@ -1,8 +1,7 @@
 """Scan-to-map ICP in the plane, started from dead reckoning (glass paper, section 3).
 
-The map to match to is a grid of cells; each holds the mean of the points seen in it and the mean of
-their surface covariances (voxelised GICP, Koide et al. 2021, in two dimensions). One iteration of
-ICP pairs every scan point with the nearest cell mean and takes a Gauss-Newton step on
+One iteration of ICP pairs every scan point with the nearest mean of the surface map and takes a
+Gauss-Newton step on
 
     E(T) = sum_i rho( d_i^T M_i^-1 d_i ) + (T - T_pred)^T P^-1 (T - T_pred),
     d_i = mean_i - T p_i,   M_i = C_cell + R C_i R^T,   rho = Cauchy,
@@ -20,12 +19,11 @@ import numpy as np
 
 from floornav_common.se2 import SE2, wrap_angle
 from grid_mapper.config import ScanMatcherConfig
+from grid_mapper.surface_map import CXX, CXY, CYY, MX, MY, SurfaceMap, nearest_cell
 from grid_mapper.surface_points import SurfacePoints
-from grid_mapper.tile_grid import TILE_MASK, TileGrid, find_slot, missing_tiles
 
-N, MX, MY, CXX, CXY, CYY = range(6)  # what a cell holds: count, mean (m), mean covariance (m^2)
-NUM_VALUES = 6
-COARSE_POINTS = 200  # points used while the pose is still far off
+COARSE_POINTS = 200  # points used at most while the pose is still far off
+FINE_POINTS = 600  # and for the last steps: more change the pose by less than its deviation
 # Points in one cell share that cell's error, so they are worth fewer independent measurements.
 INDEPENDENT_SHARE = 0.3
 COARSE_WIDTH, FINE_WIDTH = 25.0, 4.0  # of rho, in squared deviations
@@ -59,17 +57,17 @@ class ScanMatcher:
 
     def __init__(self, config: ScanMatcherConfig) -> None:
         self.config = config
-        self._grid = TileGrid(config.cell_m, cells=(np.float64, (NUM_VALUES,)))
+        self._map = SurfaceMap(config.cell_m)
 
     @property
     def is_empty(self) -> bool:
         """True until the first scan is inserted."""
-        return self._grid.num_tiles == 0
+        return self._map.grid.num_tiles == 0
 
     @property
     def num_bytes(self) -> int:
         """Bytes held."""
-        return self._grid.num_bytes
+        return self._map.grid.num_bytes
 
     def match(self, scan: SurfacePoints, T_pred: SE2, cov_pred: np.ndarray) -> MatchResult:
         """Fit a scan, starting at the predicted pose and, if that is vague, round it.
@@ -82,29 +80,31 @@ class ScanMatcher:
         Returns:
             The best fit; judge it by its shares before you believe it.
         """
-        stride = max(1, len(scan) // COARSE_POINTS)
+        coarse_stride, fine_stride = (
+            max(1, -(-len(scan) // num)) for num in (COARSE_POINTS, FINE_POINTS)
+        )
         prior = np.linalg.inv(cov_pred)
         coarse = [
-            self._register(scan, stride, start, T_pred, prior, COARSE_WIDTH)
+            self._register(scan, coarse_stride, start, T_pred, prior, COARSE_WIDTH)
             for start in starting_poses(T_pred, cov_pred)
         ]
         best = min(coarse, key=lambda fit: _cost(fit, len(scan), T_pred, prior))
-        return self._register(scan, 1, best.T_map_base, T_pred, prior, FINE_WIDTH)
+        return self._register(scan, fine_stride, best.T_map_base, T_pred, prior, FINE_WIDTH)
 
     def _register(
         self, scan: SurfacePoints, stride: int, start: SE2, T_pred: SE2, prior: np.ndarray,
         width: float,
     ) -> MatchResult:  # fmt: skip
-        config, grid = self.config, self._grid
+        config, grid, used = self.config, self._map.grid, scan.every(stride)
         pose, information, num_pairs, weight, error = _register(
-            scan.points[::stride], scan.covs[::stride], start.as_array(), T_pred.as_array(),
+            used.points, used.covs, used.normals, start.as_array(), T_pred.as_array(),
             prior / stride, grid.fields["cells"], grid.table, grid.corner, config.cell_m,
             config.max_pair_distance_m, width, config.max_iterations, config.stop_step_m,
         )  # fmt: skip
         return MatchResult(
             T_map_base=SE2(*pose),
             information=INDEPENDENT_SHARE * stride * information,
-            overlap=float(num_pairs / max(1, len(scan.points[::stride]))),
+            overlap=float(num_pairs / max(1, len(used))),
             agreement=float(weight / max(1, num_pairs)),
             num_pairs=int(num_pairs * stride),
             rms=float(np.sqrt(error / max(weight, 1e-9))),
@@ -112,18 +112,7 @@ class ScanMatcher:
 
     def insert(self, scan: SurfacePoints, T_map_base: SE2) -> None:
         """Add a scan at its pose to the map of surface cells."""
-        moved = scan.moved(T_map_base)
-        cells = np.floor(moved.points[:, ::-1] / self.config.cell_m).astype(np.int64)
-        self._grid.ensure_tiles(missing_tiles(cells, self._grid.table, self._grid.corner))
-        _insert(
-            moved.points,
-            moved.covs,
-            cells,
-            self._grid.fields["cells"],
-            self._grid.table,
-            self._grid.corner,
-            self.config.max_points_per_cell,
-        )
+        self._map.insert(scan, T_map_base, self.config.max_points_per_cell)
 
 
 def _cost(fit: MatchResult, num_points: int, T_pred: SE2, prior: np.ndarray) -> float:
@@ -156,47 +145,8 @@ def starting_poses(T_pred: SE2, cov_pred: np.ndarray) -> list[SE2]:
 
 
 @numba.njit(cache=True)
-def _insert(points, covs, cells, pool, table, corner, max_points):  # type: ignore[no-untyped-def]
-    for i in range(len(points)):
-        row, col = cells[i]
-        cell = pool[find_slot(table, corner, row, col), row & TILE_MASK, col & TILE_MASK]
-        if cell[N] >= max_points:
-            continue
-        cell[N] += 1.0
-        share = 1.0 / cell[N]
-        cell[MX] += share * (points[i, 0] - cell[MX])
-        cell[MY] += share * (points[i, 1] - cell[MY])
-        for k in range(3):
-            cell[CXX + k] += share * (covs[i, k] - cell[CXX + k])
-
-
-@numba.njit(cache=True, inline="always")
-def _nearest_cell(x, y, pool, table, corner, cell_m, max_distance):  # type: ignore[no-untyped-def]
-    """Return (slot, row, col) of the cell whose mean is nearest, slot -1 if none is near."""
-    row, col = int(np.floor(y / cell_m)), int(np.floor(x / cell_m))
-    slot = find_slot(table, corner, row, col)
-    if slot >= 0 and pool[slot, row & TILE_MASK, col & TILE_MASK, N] > 0.0:
-        return slot, row & TILE_MASK, col & TILE_MASK
-    best = max_distance * max_distance
-    best_slot, best_row, best_col = -1, 0, 0
-    for r in range(row - 1, row + 2):
-        for c in range(col - 1, col + 2):
-            slot = find_slot(table, corner, r, c)
-            if slot < 0:
-                continue
-            cell = pool[slot, r & TILE_MASK, c & TILE_MASK]
-            if cell[N] == 0.0:
-                continue
-            distance = (cell[MX] - x) ** 2 + (cell[MY] - y) ** 2
-            if distance < best:
-                best = distance
-                best_slot, best_row, best_col = slot, r & TILE_MASK, c & TILE_MASK
-    return best_slot, best_row, best_col
-
-
-@numba.njit(cache=True)
 def _normal_equations(  # type: ignore[no-untyped-def]
-    points, covs, pose, pool, table, corner, cell_m, max_distance, width
+    points, covs, normals, pose, pool, table, corner, cell_m, max_distance, width
 ):
     H = np.zeros((3, 3))
     b = np.zeros(3)
@@ -206,10 +156,12 @@ def _normal_equations(  # type: ignore[no-untyped-def]
         rx = c * points[i, 0] - s * points[i, 1]
         ry = s * points[i, 0] + c * points[i, 1]
         x, y = rx + pose[0], ry + pose[1]
-        slot, row, col = _nearest_cell(x, y, pool, table, corner, cell_m, max_distance)
+        nx = c * normals[i, 0] - s * normals[i, 1]
+        ny = s * normals[i, 0] + c * normals[i, 1]
+        slot, row, col, face = nearest_cell(x, y, nx, ny, pool, table, corner, cell_m, max_distance)
         if slot < 0:
             continue
-        cell = pool[slot, row, col]
+        cell = pool[slot, row, col, face]
         dx, dy = cell[MX] - x, cell[MY] - y
         xx, xy, yy = covs[i, 0], covs[i, 1], covs[i, 2]
         mxx = cell[CXX] + c * c * xx - 2.0 * c * s * xy + s * s * yy
@@ -248,7 +200,7 @@ def _normal_equations(  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _register(  # type: ignore[no-untyped-def]
-    points, covs, start, pred, prior, pool, table, corner,
+    points, covs, normals, start, pred, prior, pool, table, corner,
     cell_m, max_distance, width, max_iterations, stop_step,
 ):  # fmt: skip
     pose = start.copy()
@@ -256,7 +208,7 @@ def _register(  # type: ignore[no-untyped-def]
     num_pairs, weight_sum, error_sum = 0, 0.0, 0.0
     for _ in range(max_iterations):
         H, b, num_pairs, weight_sum, error_sum = _normal_equations(
-            points, covs, pose, pool, table, corner, cell_m, max_distance, width
+            points, covs, normals, pose, pool, table, corner, cell_m, max_distance, width
         )
         off = pred - pose
         off[2] = np.pi - (np.pi - off[2]) % (2.0 * np.pi)

@@ -15,6 +15,7 @@ TILE_CELLS = 1 << TILE_BITS
 TILE_MASK = TILE_CELLS - 1
 NO_TILE = -1
 NOWHERE = 1 << 40  # a tile row no plane has
+NEAR_CELLS = 8.0
 
 
 class TileGrid:
@@ -55,6 +56,10 @@ class TileGrid:
         self._reserve(self.num_tiles + len(new))
         self.table[new[:, 0], new[:, 1]] = np.arange(self.num_tiles, self.num_tiles + len(new))
         self.num_tiles += len(new)
+
+    def ensure_rays(self, origin: np.ndarray, angles: np.ndarray, lengths: np.ndarray) -> None:
+        """Make the tiles along straight rays exist; see `missing_on_rays`."""
+        self.ensure_tiles(missing_on_rays(origin, angles, lengths, self.table, self.corner))
 
     def tile_corners(self) -> np.ndarray:
         """Return (row, col) of the first cell of every stored tile in slot order, shape (N, 2)."""
@@ -132,52 +137,44 @@ def missing_tiles(cells: np.ndarray, table: np.ndarray, corner: np.ndarray) -> n
 
 
 @numba.njit(cache=True)
-def tiles_on_rays(origin: np.ndarray, ends: np.ndarray, resolution: float) -> np.ndarray:
-    """Return the tiles that straight rays can touch, with one cell of margin.
+def missing_on_rays(  # type: ignore[no-untyped-def]
+    origin, angles, lengths, table, corner
+):
+    """Return the tiles that straight rays can touch and `table` has not; lengths are in cells.
 
     Args:
-        origin: Common start of the rays in the map frame, shape (2,), m.
-        ends: Their ends, shape (N, 2), m.
-        resolution: Cell edge, m.
+        origin: (x, y) where the rays start, shape (2,), cells.
+        angles: Their directions, shape (N,), rad.
+        lengths: Their lengths, shape (N,), cells.
+        table: See TileGrid.
+        corner: See TileGrid.
 
     Returns:
-        (tile row, tile col), shape (M, 2), int64, each once.
+        (tile row, tile col), shape (M, 2), int64; a tile may come more than once.
     """
-    edge = resolution * TILE_CELLS
-    low = np.array([origin[1], origin[0]])
-    high = low.copy()
-    for i in range(len(ends)):
-        for k in range(2):
-            low[k] = min(low[k], ends[i, 1 - k])
-            high[k] = max(high[k], ends[i, 1 - k])
-    first = np.floor((low - 2 * resolution) / edge).astype(np.int64)
-    shape = np.floor((high + 2 * resolution) / edge).astype(np.int64) - first + 1
-    touched = np.zeros((shape[0], shape[1]), np.bool_)
-    last = origin
-    for i in range(len(ends)):  # rays that end side by side touch the same tiles
-        is_near = np.hypot(ends[i, 0] - last[0], ends[i, 1] - last[1]) < 0.125 * edge
-        if i == 0 or not is_near:
-            _touch(touched, first, origin, ends[i], edge, 0.125 * edge + 2 * resolution)
-            last = ends[i]
-    rows, cols = np.nonzero(touched)
-    tiles = np.empty((len(rows), 2), np.int64)
-    tiles[:, 0] = rows + first[0]
-    tiles[:, 1] = cols + first[1]
+    tiles = np.empty((0, 2), np.int64)
+    last_x, last_y = np.inf, np.inf
+    for i in range(len(angles)):
+        x = origin[0] + lengths[i] * np.cos(angles[i])
+        y = origin[1] + lengths[i] * np.sin(angles[i])
+        # rays that end side by side touch the same tiles
+        if abs(x - last_x) + abs(y - last_y) > NEAR_CELLS:
+            last_x, last_y = x, y
+            for row, col in _tiles_on_ray(origin[0], origin[1], x, y):
+                if find_slot(table, corner, row << TILE_BITS, col << TILE_BITS) == NO_TILE:
+                    tiles = np.concatenate((tiles, np.array([[row, col]])))
     return tiles
 
 
 @numba.njit(cache=True)
-def _touch(touched, first, origin, end, edge, margin):  # type: ignore[no-untyped-def]
-    """Mark the tiles round points half a tile apart; between them the ray cannot leave these."""
-    length = np.hypot(end[0] - origin[0], end[1] - origin[1])
-    num_steps = int(2.0 * length / edge) + 1
-    reach = 0.25 * edge + margin
+def _tiles_on_ray(x0, y0, x1, y1):  # type: ignore[no-untyped-def]
+    """Return the tiles round points half a tile apart; between them the ray stays in these."""
+    num_steps = int(2.0 * np.hypot(x1 - x0, y1 - y0) / TILE_CELLS) + 1
+    reach = 0.25 * TILE_CELLS + NEAR_CELLS + 2.0
+    tiles = np.empty((4 * (num_steps + 1), 2), np.int64)
     for k in range(num_steps + 1):
-        x = origin[0] + (end[0] - origin[0]) * k / num_steps
-        y = origin[1] + (end[1] - origin[1]) * k / num_steps
-        row0 = max(int(np.floor((y - reach) / edge)) - first[0], 0)
-        col0 = max(int(np.floor((x - reach) / edge)) - first[1], 0)
-        row1 = min(int(np.floor((y + reach) / edge)) - first[0], touched.shape[0] - 1)
-        col1 = min(int(np.floor((x + reach) / edge)) - first[1], touched.shape[1] - 1)
-        touched[row0, col0] = touched[row0, col1] = True
-        touched[row1, col0] = touched[row1, col1] = True
+        x, y = x0 + (x1 - x0) * k / num_steps, y0 + (y1 - y0) * k / num_steps
+        for j in range(4):
+            tiles[4 * k + j, 0] = int(np.floor(y + (reach if j & 1 else -reach))) >> TILE_BITS
+            tiles[4 * k + j, 1] = int(np.floor(x + (reach if j & 2 else -reach))) >> TILE_BITS
+    return tiles

@@ -107,7 +107,7 @@ class GridMapperNode(FloornavNode):
                     self.frames.base, msg.header.frame_id, stamp_ns
                 )
                 T_odom_base = (T_target_laser @ T_base_laser.inverse()).to_se2()
-            scan, pose = level_scan(messages.scan_from_msg(msg), T_base_laser.matrix())
+            scan, pose = level_scan(messages.scan_from_msg(msg), T_base_laser)
         except (ValueError, TransformUnavailable) as error:
             self._warn(f"{self._scans.topic}: {error}")
             return

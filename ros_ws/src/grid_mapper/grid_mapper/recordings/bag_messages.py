@@ -11,7 +11,8 @@ import numpy as np
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
-from grid_mapper.recordings.events import RangeEvent, ScanEvent
+from grid_mapper.laser_mount import level_scan
+from grid_mapper.recordings.events import RangeEvent, RecordingError, ScanEvent
 from grid_mapper.scan_cleaning import clean_scan
 
 StampedTransform = tuple[str, str, int, tuple[float, ...], tuple[float, ...]]
@@ -46,19 +47,24 @@ def odometry_from(message: Any) -> tuple[int, SE2]:
 def scan_event(
     message: Any, T_base_laser: Transform3, T_odom_base: SE2 | None, follows_jump: bool
 ) -> ScanEvent:
-    """Return the event of a LaserScan; beams of a laser hung upside down run the other way."""
-    sign = -1.0 if T_base_laser.is_upside_down else 1.0
+    """Return the event of a LaserScan.
+
+    Raises:
+        RecordingError: If the laser does not sweep in the plane.
+    """
     scan = Scan(
         ranges=np.asarray(message.ranges, dtype=np.float64),
-        angle_min=sign * float(message.angle_min),
-        angle_increment=sign * float(message.angle_increment),
+        angle_min=float(message.angle_min),
+        angle_increment=float(message.angle_increment),
         range_min=float(message.range_min),
         range_max=float(message.range_max),
         time_increment=float(message.time_increment),
     )
-    return ScanEvent(
-        stamp_ns_of(message), clean_scan(scan), T_base_laser.to_se2(), T_odom_base, follows_jump
-    )
+    try:
+        leveled, pose = level_scan(scan, T_base_laser)
+    except ValueError as error:
+        raise RecordingError(f"{message.header.frame_id}: {error}") from error
+    return ScanEvent(stamp_ns_of(message), leveled, pose, T_odom_base, follows_jump)
 
 
 def range_event(message: Any, T_base_sonar: Transform3, T_odom_base: SE2 | None) -> RangeEvent:
