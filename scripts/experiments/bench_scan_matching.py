@@ -63,7 +63,7 @@ def _race(drive: Drive) -> dict[str, tuple[list[float], list[SE2]]]:
     """Feed every scan to each matcher in turn."""
     matchers = {
         "floornav": _floornav(drive),
-        "kiss-icp": _kiss_icp(drive),
+        "kiss-icp": kiss_icp_step(drive),
         "genz-icp": _genz_icp(drive),
         "floor": _floor(drive),
     }
@@ -88,7 +88,7 @@ def _floornav(drive: Drive) -> Step:
     return step
 
 
-def _kiss_icp(drive: Drive) -> Step:
+def kiss_icp_step(drive: Drive) -> Step:
     from kiss_icp.config import KISSConfig
     from kiss_icp.kiss_icp import KissICP
 

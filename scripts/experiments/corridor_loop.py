@@ -2,7 +2,7 @@
 
 The plan is 20 x 20 m, the corridor 3 m wide, with rooms, doors and cupboards on both sides. The
 robot starts and ends at the same pose, so the end error is what drifted. Everything follows from
-one seed; beams have 1 cm of Gaussian range noise, no motion distortion and no odometry.
+one seed; beams have 1 cm of Gaussian range noise and no motion distortion.
 """
 
 from __future__ import annotations
@@ -35,26 +35,19 @@ class Drive:
     truth: list[SE2]
 
 
-def corridor_loop(num_beams: int, fov_rad: float, seed: int) -> Drive:
+def corridor_loop(num_beams: int, fov_rad: float, seed: int, num_scans: int = NUM_SCANS) -> Drive:
     """Make the drive.
 
     Args:
         num_beams: Beams a scan.
         fov_rad: Angle from first to last beam; a full turn leaves out the repeated beam.
         seed: Of the furniture and the noise.
+        num_scans: Scans on the whole way.
     """
     rng = np.random.default_rng(seed)
     walls = _plan(rng)
-    is_full_turn = np.isclose(fov_rad, 2.0 * np.pi)
-    increment = fov_rad / (num_beams if is_full_turn else num_beams - 1)
-    truth = _path()
-    scans = []
-    for pose in truth:
-        angles = pose.yaw - fov_rad / 2.0 + increment * np.arange(num_beams)
-        ranges = ray_cast(np.array([pose.x, pose.y]), angles, walls)
-        ranges = ranges + rng.normal(0.0, RANGE_SIGMA_M, num_beams)
-        ranges[ranges > RANGE_MAX_M] = np.inf
-        scans.append(Scan(ranges, -fov_rad / 2.0, increment, 0.05, RANGE_MAX_M))
+    truth = _path(num_scans)
+    scans = [_scan(walls, pose, num_beams, fov_rad, rng) for pose in truth]
     return Drive(scans, truth)
 
 
@@ -117,13 +110,13 @@ def _box(x: float, y: float, dx: float, dy: float) -> list[tuple]:
     return [(*c[k], *c[(k + 1) % 4]) for k in range(4)]
 
 
-def _path() -> list[SE2]:
+def _path(num_scans: int) -> list[SE2]:
     """Return evenly spaced poses round the middle of the corridor, with rounded corners."""
     a, r = 6.5 + CORRIDOR_M / 2.0, CORNER_RADIUS_M
     straight, arc = 2.0 * (a - r), r * np.pi / 2.0
     total = 4.0 * (straight + arc)
     poses = []
-    for s in np.linspace(0.0, total, NUM_SCANS):
+    for s in np.linspace(0.0, total, num_scans):
         leg, rest = divmod(s, straight + arc)
         if rest <= straight:
             local = SE2(a, -(a - r) + rest, np.pi / 2.0)
@@ -133,3 +126,40 @@ def _path() -> list[SE2]:
             local = SE2(float(x), float(y), np.pi / 2.0 + phi)
         poses.append(SE2(0.0, 0.0, leg * np.pi / 2.0) @ local)
     return poses
+
+
+def bare_corridor(num_beams: int, fov_rad: float, seed: int, num_scans: int = 200) -> Drive:
+    """Make a straight drive of 20 m in a corridor of 60 x 2.4 m whose ends are out of range."""
+    rng = np.random.default_rng(seed)
+    walls = np.array(_box(0.0, 0.0, 30.0, 1.2))
+    truth = [SE2(float(x), 0.0, 0.0) for x in np.linspace(-10.0, 10.0, num_scans)]
+    return Drive([_scan(walls, pose, num_beams, fov_rad, rng, 12.0) for pose in truth], truth)
+
+
+def slipping_odometry(truth: list[SE2], seed: int, slip: float = 0.1) -> list[SE2]:
+    """Return odometry of wheels that slip.
+
+    Distance and turn are each wrong by a share drawn once per run (uniform up to `slip`) and by
+    2 % white noise a step.
+    """
+    rng = np.random.default_rng(seed)
+    scale = 1.0 + rng.uniform(-slip, slip, 2)
+    odometry = [truth[0]]
+    for a, b in zip(truth, truth[1:], strict=False):
+        moved = a.between(b)
+        along, turn = scale * (1.0 + rng.normal(0.0, 0.02, 2))
+        odometry.append(odometry[-1] @ SE2(along * moved.x, along * moved.y, turn * moved.yaw))
+    return odometry
+
+
+def _scan(
+    walls: np.ndarray, pose: SE2, num_beams: int, fov_rad: float, rng: np.random.Generator,
+    range_max: float = RANGE_MAX_M,
+) -> Scan:  # fmt: skip
+    is_full_turn = np.isclose(fov_rad, 2.0 * np.pi)
+    increment = fov_rad / (num_beams if is_full_turn else num_beams - 1)
+    angles = pose.yaw - fov_rad / 2.0 + increment * np.arange(num_beams)
+    ranges = ray_cast(np.array([pose.x, pose.y]), angles, walls)
+    ranges = ranges + rng.normal(0.0, RANGE_SIGMA_M, num_beams)
+    ranges[ranges > range_max] = np.inf
+    return Scan(ranges, -fov_rad / 2.0, increment, 0.05, range_max)

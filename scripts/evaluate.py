@@ -1,0 +1,70 @@
+"""Accuracy: one experiment with its table, figures and pictures; seeds are fixed and reported."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+
+from _environment import ensure_environment
+
+if __name__ == "__main__":
+    ensure_environment(needs="node")
+
+from floornav_common.reporting import (  # noqa: E402
+    Section,
+    Table,
+    add_common_options,
+    open_out_dir,
+    run_command,
+    say,
+    summary,
+    write_html,
+)
+
+EXPERIMENTS = {
+    "laser-drives": "drift on simulated drives: full rate, key scans, slip, a bare corridor",
+    "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
+}
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run one experiment."""
+    args = _parser().parse_args(argv)
+    module = _module(args.experiment)
+    args.out_dir = open_out_dir("evaluate", args.experiment, args.out)
+    with summary(args.out_dir, command="evaluate", seed=args.seed, values={}) as values:
+        values["experiment"] = args.experiment
+        sections: list[Section] = module.run(args, values)
+    title = f"floornav: {args.experiment}"
+    write_html(args.out_dir, title, sections, f"seed {args.seed}")
+    for block in (block for section in sections for block in section.blocks):
+        if isinstance(block, Table):
+            say(_as_text(block), is_quiet=args.quiet)
+    say(f"results: {args.out_dir}", is_quiet=args.quiet)
+    return 0
+
+
+def _module(experiment: str):  # type: ignore[no-untyped-def]
+    return importlib.import_module(f"experiments.{experiment.replace('-', '_')}")
+
+
+def _as_text(table: Table) -> str:
+    rows = [[str(cell) for cell in row] for row in [table.header, *table.rows]]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) for row in rows]
+    return "\n" + "\n".join(line.rstrip() for line in lines) + "\n"
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="evaluate.py", description=__doc__)
+    kinds = parser.add_subparsers(dest="experiment", metavar="EXPERIMENT", required=True)
+    for name, text in EXPERIMENTS.items():
+        kind = kinds.add_parser(name, help=text, description=text)
+        _module(name).add_options(kind)
+        add_common_options(kind)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(main))
