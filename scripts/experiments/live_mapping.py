@@ -23,6 +23,8 @@ from grid_mapper.config import GridMapperConfig
 from grid_mapper.map_files import load_map
 from grid_mapper.mapper import GridMapper
 from grid_mapper.recordings import open_recording
+from grid_mapper.recordings.bag import Bag
+from grid_mapper.recordings.bag_choice import choose_scan_topic
 from grid_mapper.recordings.events import RecordingOptions, ScanEvent
 
 SCRIPTS = Path(__file__).resolve().parent.parent
@@ -46,7 +48,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
             offline = _offline(bag)
             progress.update(number, f"{bag.name}: live")
             folder = args.out_dir / bag.stem
-            live = _live(bag, offline["scan_topic"], args.rate, folder)
+            live = _live(bag, _scan_topic(bag), args.rate, folder)
             values["bags"][bag.stem] = _compare(offline, live)
     keys = ("scans", "received", "used", "used_share", "dropped", "same_share", "occupied_same")
     rows = [[name, *(_cell(f[k]) for k in keys)] for name, f in values["bags"].items()]
@@ -69,8 +71,12 @@ def _offline(bag: Path) -> dict[str, Any]:
         "scans": recording.counts.scans,
         "used": num_used,
         "map": mapper.occupancy(),
-        "scan_topic": recording.scan_topic,
     }
+
+
+def _scan_topic(path: Path) -> str:
+    with Bag(path) as bag:
+        return choose_scan_topic(bag, RecordingOptions())[0]
 
 
 def _live(bag: Path, scan_topic: str, rate: float, folder: Path) -> dict[str, Any]:

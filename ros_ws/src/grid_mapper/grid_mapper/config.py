@@ -75,12 +75,12 @@ class LogOddsConfig:
 class MotionConfig:
     """How far a prediction of the next pose can be wrong; deviations, not bounds."""
 
-    slip: float = param(0.1, "Error of odometry per metre driven.", unit="m/m", ge=0.0)
+    slip: float = param(0.05, "Error of odometry per metre driven.", unit="m/m", ge=0.0)
     turn_slip: float = param(0.1, "Error of odometry's turn per radian turned.", ge=0.0)
     turn_per_m: float = param(
         0.05, "Error of odometry's turn per metre driven.", unit="rad/m", ge=0.0
     )
-    base_m: float = param(0.01, "Error of a prediction over no distance.", unit="m", gt=0.0)
+    base_m: float = param(0.005, "Error of a prediction over no distance.", unit="m", gt=0.0)
     base_rad: float = param(0.01, "Error of a prediction over no turn.", unit="rad", gt=0.0)
     acceleration: float = param(
         1.0, "Change of speed expected where there is no odometry.", unit="m/s^2", gt=0.0
