@@ -120,17 +120,18 @@ def _places(environ):
     for major, minor in SUPPORTED:
         for folder in [*folders, "/usr/bin", "/usr/local/bin"]:
             yield os.path.join(folder, f"python{major}.{minor}")
-        home = Path(environ.get("HOME") or os.path.expanduser("~"))
-        for store in (environ.get("PYENV_ROOT"), str(home / ".pyenv")):
-            if store:
-                yield from (
-                    str(p)
-                    for p in sorted(Path(store).glob(f"versions/{major}.{minor}.*/bin/python"))
-                )
-        yield from (
-            str(p)
-            for p in sorted(
-                (home / ".local/share/uv/python").glob(f"cpython-{major}.{minor}*/bin/python3")
-            )
-        )
+        for store, pattern in _stores(environ, folders):
+            names = pattern.format(f"{major}.{minor}")
+            yield from (str(path) for path in sorted(Path(store).glob(names)))
     yield from (os.path.join(folder, "python3") for folder in folders)
+
+
+def _stores(environ, folders):
+    """Yield (folder, pattern) of the interpreters that pyenv and uv keep; {} is the version."""
+    home = Path(environ.get("HOME") or os.path.expanduser("~"))
+    # pyenv's shims on PATH run nothing without its variables, but show where its pythons are.
+    shims = [Path(folder).parent for folder in folders if Path(folder).name == "shims"]
+    for root in [environ.get("PYENV_ROOT"), home / ".pyenv", *shims]:
+        if root:
+            yield root, "versions/{}.*/bin/python"
+    yield home / ".local/share/uv/python", "cpython-{}*/bin/python3"

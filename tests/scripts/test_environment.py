@@ -67,6 +67,14 @@ def test_a_shim_that_fails_is_passed_over(tmp_path: Path, only_fakes: None) -> N
     assert choice.choose_python(environ).path == wanted
 
 
+def test_pyenvs_pythons_are_found_by_its_shims_on_path(tmp_path: Path) -> None:
+    shims = tmp_path / "pyenv" / "shims"
+    fake_python(shims, "python3.11")
+    wanted = fake_python(tmp_path / "pyenv" / "versions" / "3.12.1" / "bin", "python", "3.12.1")
+    environ = {"PATH": str(shims), "HOME": str(tmp_path)}
+    assert wanted in choice.candidates(environ)
+
+
 def test_a_python_with_headers_is_preferred(tmp_path: Path, only_fakes: None) -> None:
     fake_python(tmp_path / "a", "python3.11", headers=0)
     wanted = fake_python(tmp_path / "b", "python3.11", headers=1)
