@@ -6,6 +6,7 @@ no growing, no placing of beams. Floor: one pass over a 400 x 400 grid that adds
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from functools import partial
 
@@ -13,19 +14,22 @@ import numba
 import numpy as np
 
 from experiments.bench_scan_matching import BEAMS
-from experiments.corridor_loop import corridor_loop
+from experiments.corridor_loop import corridor_loop, slipping_odometry
 from experiments.timing import Case, median_and_p99, take_turns
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.beams import beams_of
-from grid_mapper.config import LabelGridConfig, LogOddsConfig
+from grid_mapper.config import GridMapperConfig, LabelGridConfig, LogOddsConfig
 from grid_mapper.label_grid import LabelGrid
 from grid_mapper.log_odds import LogOddsGrid
+from grid_mapper.mapper import GridMapper
 
 RESOLUTION_M = 0.05
 NUM_SCANS = 200
 DENSE_CELLS = 1000  # 50 x 50 m
 NO_RETURN_M = 5.0
+NUM_LIVE_SCANS = 2000
+LIVE_PERIOD_NS = 25_000_000
 
 
 def run(seed: int, say: Callable[[str], None]) -> list[Case]:
@@ -39,7 +43,34 @@ def run(seed: int, say: Callable[[str], None]) -> list[Case]:
         for rule in ("label", "log_odds"):
             median, p99 = median_and_p99(ms[rule])
             cases.append(Case(f"{rule}_{beams}", median, p99, "plain ray trace", peer, floor))
-    return cases
+    return [*cases, *_whole(seed, say)]
+
+
+def _whole(seed: int, say: Callable[[str], None]) -> list[Case]:
+    """Time all that a scan costs at 40 Hz, and the map of a plan of 50 x 50 m for publishing.
+
+    Peer: the 25 ms there are between two scans.
+    """
+    say("map_update: whole mapper at 40 Hz")
+    drive = corridor_loop(*BEAMS["1081"], seed, NUM_LIVE_SCANS)
+    odometry = slipping_odometry(drive.truth, seed)
+    mapper = GridMapper(GridMapperConfig(), T_map_start=drive.truth[0])
+    times = []
+    for k, (scan, odom) in enumerate(zip(drive.scans, odometry, strict=True)):
+        started = time.perf_counter()
+        mapper.insert_scan(k * LIVE_PERIOD_NS, scan, SE2.identity(), odom)
+        times.append(1e3 * (time.perf_counter() - started))
+    extra = {"map_mb": mapper.num_bytes / 1e6}
+    median, p99 = median_and_p99(np.array(times))
+    whole = Case("whole_1081_40hz", median, p99, "time between scans", 25.0, None, extra)
+    grid = LabelGrid(LabelGridConfig(), RESOLUTION_M)
+    for x in range(-20, 21, 10):
+        for y in range(-20, 21, 10):
+            grid.add_scan(drive.scans[0], SE2(float(x), float(y), 0.3))
+    shape = grid.occupancy().cells.shape
+    ms = take_turns({"occupancy": grid.occupancy}, 20)["occupancy"]
+    extra = {"rows": shape[0], "cols": shape[1]}
+    return [whole, Case("occupancy_50m", *median_and_p99(ms), extra=extra)]
 
 
 def _race(scans: list[tuple[Scan, SE2]]) -> dict[str, np.ndarray]:

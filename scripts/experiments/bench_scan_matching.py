@@ -89,6 +89,7 @@ def _floornav(drive: Drive) -> Step:
 
 
 def kiss_icp_step(drive: Drive) -> Step:
+    """Return kiss-icp as a step: scan number and points (N, 3) to pose."""
     from kiss_icp.config import KISSConfig
     from kiss_icp.kiss_icp import KissICP
 
