@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.metadata import EntryPoint
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,7 +14,7 @@ from floornav_common import compose
 @pytest.fixture
 def installed(monkeypatch: pytest.MonkeyPatch) -> None:
     scripts = [
-        EntryPoint("grid_mapper", "grid_mapper.nodes.grid_mapper_node:main", "console_scripts"),
+        EntryPoint("grid_mapper", "grid_mapper.nodes.start:grid_mapper", "console_scripts"),
         EntryPoint("map_bag", "grid_mapper.map_bag:main", "console_scripts"),
         EntryPoint("other", "elsewhere.cli:main", "console_scripts"),
     ]
@@ -38,10 +39,18 @@ def test_no_node_at_all_is_a_usage_error(installed: Any) -> None:
     assert caught.value.code == 2
 
 
-def test_the_class_is_the_one_node_its_module_defines(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_class_is_the_one_node_its_module_defines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("rclpy")
-    monkeypatch.syspath_prepend(str(__import__("pathlib").Path(__file__).parents[1] / "graph"))
-    entry = EntryPoint("common", "common_nodes:main", "console_scripts")
-    monkeypatch.setattr(compose, "nodes_installed", lambda: {"a/common": entry})
-    with pytest.raises(ValueError, match="must define one node class, it defines"):
-        compose.find_node_class("a/common")
+    folder = tmp_path / "two" / "nodes"
+    folder.mkdir(parents=True)
+    node = "from rclpy.node import Node\n\n\nclass {}(Node):\n    pass\n"
+    (folder / "pair_node.py").write_text(node.format("Left") + node.format("Right"))
+    (folder / "one_node.py").write_text(node.format("One"))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    entry = EntryPoint("pair", "two.nodes.start:pair", "console_scripts")
+    monkeypatch.setattr(compose, "nodes_installed", lambda: {"two/pair": entry, "two/one": entry})
+    assert compose.find_node_class("two/one").__name__ == "One"
+    with pytest.raises(ValueError, match="must define one node class, it defines 2"):
+        compose.find_node_class("two/pair")

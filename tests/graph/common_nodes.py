@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
+import time
 from dataclasses import dataclass, field
 from typing import Any
 
+from listening import say_publishers_when_ready
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import LaserScan
 
@@ -107,6 +109,15 @@ class Owner(FloornavNode):
             print("sending" if is_sent else "silent", flush=True)
 
 
+class Building(FloornavNode):
+    """Is never done with its construction."""
+
+    def __init__(self) -> None:
+        super().__init__("building")
+        print("building", flush=True)
+        time.sleep(60.0)
+
+
 class Broken(FloornavNode):
     """Fails in a callback."""
 
@@ -121,8 +132,9 @@ class Broken(FloornavNode):
 
 NODES = {
     "scan_echo": [ScanEcho], "picky": [Picky], "tuned": [Tuned], "owner": [Owner],
-    "broken": [Broken], "both": [ScanEcho, Picky],
+    "broken": [Broken], "building": [Building], "both": [ScanEcho, Picky],
 }  # fmt: skip
 
 if __name__ == "__main__":
+    say_publishers_when_ready()
     sys.exit(run_nodes(NODES[sys.argv[1]]))

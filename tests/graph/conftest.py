@@ -70,6 +70,10 @@ class NodeProcess:
             time.sleep(0.02)
         pytest.fail(f"no line with '{words}' within {timeout} s in:\n{self.text}")
 
+    def wait_to_hear(self, topic: str, num: int = 1) -> None:
+        """Wait until it has found that many publishers of a topic (full name); see listening.py."""
+        self.wait_for(f"{topic} is heard from {num}")
+
     def wait_for_exit(self, timeout: float = DISCOVERY_S) -> int:
         """Return the exit code."""
         code = self.process.wait(timeout)
@@ -109,6 +113,7 @@ class Peer:
         self.node = rclpy.create_node(name, context=self.context)
         self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
+        self._subscriptions: dict[str, Any] = {}
 
     def spin(self, seconds: float) -> None:
         """Work for a while."""
@@ -126,11 +131,24 @@ class Peer:
             self._executor.spin_once(timeout_sec=0.02)
         return True
 
-    def publisher(self, msg_type: type, topic: str, qos: Any, matched: int = 1) -> Any:
-        """Create a publisher and wait until that many subscriptions have found it."""
+    def publisher(
+        self, msg_type: type, topic: str, qos: Any, to: NodeProcess | None = None, num: int = 1
+    ) -> Any:
+        """Create a publisher and wait until it is heard by anyone, or by a node that says so.
+
+        Args:
+            msg_type: Message class.
+            topic: Name.
+            qos: Profile.
+            to: Node that says whom it hears (listening.py).
+            num: How many publishers it then hears, its own counted.
+        """
         publisher = self.node.create_publisher(msg_type, topic, qos)
-        self.spin_until(lambda: publisher.get_subscription_count() >= matched)
-        self.spin(SETTLE_S)
+        self.spin_until(lambda: publisher.get_subscription_count() >= 1)
+        if to is None:
+            self.spin(SETTLE_S)
+        else:
+            to.wait_to_hear(publisher.topic_name, num)
         return publisher
 
     def publish_until(
@@ -146,8 +164,14 @@ class Peer:
     def collect(self, msg_type: type, topic: str, qos: Any) -> list[Any]:
         """Return a list that fills with the messages of a topic."""
         messages: list[Any] = []
-        self.node.create_subscription(msg_type, topic, messages.append, qos)
+        subscription = self.node.create_subscription(msg_type, topic, messages.append, qos)
+        self._subscriptions[topic] = subscription
         return messages
+
+    def wait_to_hear(self, *topics: str) -> None:
+        """Wait until what `collect` was given as topics has found a publisher."""
+        for topic in topics:
+            self.spin_until(lambda s=self._subscriptions[topic]: s.get_publisher_count() >= 1)
 
     def close(self) -> None:
         """Leave."""

@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import TransformStamped
+from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from robot_messages import Robot, S, scan_of, statuses, tf_of, time_of
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
@@ -22,43 +21,6 @@ NODES = Path(__file__).parent / "common_nodes.py"
 NodeProcess = Peer = Any  # of conftest.py
 Start = Callable[..., NodeProcess]
 BEST_EFFORT = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-S = 1_000_000_000
-
-
-def time_of(stamp_ns: int) -> Time:
-    return Time(sec=stamp_ns // S, nanosec=stamp_ns % S)
-
-
-def scan_of(stamp_ns: int) -> LaserScan:
-    msg = LaserScan(angle_increment=0.1, ranges=[1.0, 2.0])
-    msg.header.stamp, msg.header.frame_id = time_of(stamp_ns), "laser"
-    return msg
-
-
-def tf_of(parent: str, child: str, stamp_ns: int, x: float) -> Any:
-    from tf2_msgs.msg import TFMessage
-
-    stamped = TransformStamped(child_frame_id=child)
-    stamped.header.stamp, stamped.header.frame_id = time_of(stamp_ns), parent
-    stamped.transform.translation.x = x
-    return TFMessage(transforms=[stamped])
-
-
-def statuses(arrays: list[DiagnosticArray], part: str) -> list[DiagnosticStatus]:
-    return [s for array in arrays for s in array.status if s.name.endswith(f": {part}")]
-
-
-class Robot:
-    """Driver and robot_state_publisher of a test: scans, odometry and the laser's place."""
-
-    def __init__(self, peer: Peer) -> None:
-        tf2_msgs = pytest.importorskip("tf2_msgs.msg")
-        self.peer = peer
-        self.statics = peer.publisher(tf2_msgs.TFMessage, "/tf_static", LATCHED)
-        self.tf = peer.publisher(tf2_msgs.TFMessage, "/tf", 10)
-        self.scans = peer.publisher(LaserScan, "/scan", 10)
-        self.statics.publish(tf_of("base_link", "laser", 0, 0.5))
 
 
 @pytest.fixture
@@ -71,7 +33,7 @@ def echo(start: Start) -> NodeProcess:
 def test_scans_wait_for_their_late_transforms_and_come_in_stamp_order(
     echo: NodeProcess, peer: Peer
 ) -> None:
-    robot = Robot(peer)
+    robot = Robot(peer, echo)
     robot.tf.publish(tf_of("odom", "base_link", 100 * S, 0.0))
     robot.scans.publish(scan_of(100 * S + S // 2))
     robot.scans.publish(scan_of(100 * S + S // 4))
@@ -83,8 +45,28 @@ def test_scans_wait_for_their_late_transforms_and_come_in_stamp_order(
     assert said[0] == f"scan {100 * S + S // 4} at x 0.750"
 
 
+def test_a_scan_that_comes_after_a_newer_one_is_dropped_and_counted(
+    echo: NodeProcess, peer: Peer
+) -> None:
+    robot = Robot(peer, echo)
+    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    robot.tf.publish(tf_of("odom", "base_link", 100 * S, 0.0))
+    robot.tf.publish(tf_of("odom", "base_link", 101 * S, 1.0))
+    robot.scans.publish(scan_of(100 * S + S // 2))
+    echo.wait_for("at x 1.000")
+    robot.scans.publish(scan_of(100 * S + S // 4))
+    assert "1 of 2 messages dropped, a message came late" in echo.wait_for("dropped")
+    robot.scans.publish(scan_of(101 * S))
+    echo.wait_for("at x 1.500")
+    assert len([line for line in echo.lines if line.startswith("scan ")]) == 2
+    part = "transforms of /scan"
+    peer.spin_until(lambda: any(s.level == b"\x01" for s in statuses(arrays, part)))
+    bad = next(s for s in statuses(arrays, part) if s.level == b"\x01")
+    assert {v.key: v.value for v in bad.values}["dropped, too old"] == "1"
+
+
 def test_a_scan_without_transform_is_dropped_and_named(echo: NodeProcess, peer: Peer) -> None:
-    robot = Robot(peer)
+    robot = Robot(peer, echo)
     arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
     robot.scans.publish(scan_of(100 * S))
     line = echo.wait_for("dropped")
@@ -97,24 +79,21 @@ def test_a_scan_without_transform_is_dropped_and_named(echo: NodeProcess, peer: 
 
 
 def test_remapped_tf_topics_are_heard(start: Start, peer: Peer) -> None:
-    tf2_msgs = pytest.importorskip("tf2_msgs.msg")
     node = start(
         NODES, "scan_echo", "--ros-args", "-r", "__ns:=/r2", "-r", "/tf:=tf",
         "-r", "/tf_static:=tf_static",
     )  # fmt: skip
     node.wait_for("ready")
-    statics = peer.publisher(tf2_msgs.TFMessage, "/r2/tf_static", LATCHED)
-    tf = peer.publisher(tf2_msgs.TFMessage, "/r2/tf", 10)
-    scans = peer.publisher(LaserScan, "/r2/scan", 10)
-    statics.publish(tf_of("base_link", "laser", 0, 0.5))
-    tf.publish(tf_of("odom", "base_link", 100 * S, 2.0))
-    peer.publish_until(scans, scan_of(100 * S), lambda: "at x 2.500" in node.text)
+    robot = Robot(peer, node, "/r2")
+    robot.tf.publish(tf_of("odom", "base_link", 100 * S, 2.0))
+    robot.scans.publish(scan_of(100 * S))
+    node.wait_for("at x 2.500")
 
 
 def test_transforms_of_a_looping_bag_are_taken_up_without_clock(
     echo: NodeProcess, peer: Peer
 ) -> None:
-    robot = Robot(peer)
+    robot = Robot(peer, echo)
     robot.tf.publish(tf_of("odom", "base_link", 1000 * S, 0.0))
     robot.scans.publish(scan_of(1000 * S))
     echo.wait_for("at x 0.500")
@@ -129,6 +108,7 @@ def test_transforms_of_a_looping_bag_are_taken_up_without_clock(
 def test_without_tf2_msgs_one_line_says_so_and_the_node_lives(start: Start) -> None:
     code = (
         "import runpy, sys; sys.modules['tf2_msgs'] = None; "
+        f"sys.path.insert(0, {str(NODES.parent)!r}); "
         f"sys.argv = ['x', 'scan_echo']; runpy.run_path({str(NODES)!r}, run_name='__main__')"
     )
     node = start("-c", code)
@@ -151,7 +131,7 @@ def test_the_cure_for_a_qos_mismatch_works(start: Start, peer: Peer) -> None:
     key = "qos_overrides./scan.subscription.reliability"
     node = start(NODES, "picky", "--ros-args", "-p", f"{key}:=best_effort")
     node.wait_for("ready")
-    scans = peer.publisher(LaserScan, "/scan", BEST_EFFORT)
+    scans = peer.publisher(LaserScan, "/scan", BEST_EFFORT, to=node)
     peer.publish_until(scans, scan_of(1), lambda: "scan" in node.lines)
 
 
@@ -161,7 +141,7 @@ def test_silent_input_is_stale_on_diagnostics(start: Start, peer: Peer) -> None:
     arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
     peer.spin_until(lambda: any(s.level == b"\x03" for s in statuses(arrays, "input /scan")))
     assert "nobody" in statuses(arrays, "input /scan")[-1].message
-    scans = peer.publisher(LaserScan, "/scan", 10)
+    scans = peer.publisher(LaserScan, "/scan", 10, to=node)
     for _ in range(5):
         scans.publish(scan_of(1))
         peer.spin(0.1)
@@ -227,9 +207,9 @@ def test_a_clock_that_stops_is_an_error_and_one_that_jumps_back_clears(
 ) -> None:
     node = start(NODES, "scan_echo", "--ros-args", "-p", "use_sim_time:=true")
     node.wait_for("ready")
-    robot = Robot(peer)
+    robot = Robot(peer, node)
     arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
-    clock = peer.publisher(Clock, "/clock", 10)
+    clock = peer.publisher(Clock, "/clock", 10, to=node)
     for _ in range(5):
         clock.publish(Clock(clock=time_of(100 * S)))
         peer.spin(0.1)
@@ -252,7 +232,7 @@ def test_another_source_of_the_owned_transform_is_named_and_left_alone(
     node = start(NODES, "owner")
     node.wait_for("sending")
     amcl = make_peer("amcl")
-    tf = amcl.publisher(tf2_msgs.TFMessage, "/tf", 10)
+    tf = amcl.publisher(tf2_msgs.TFMessage, "/tf", 10, to=node, num=2)
     tf.publish(tf_of("map", "odom", 5 * S, 1.0))
     line = node.wait_for("also published by")
     assert "/amcl" in line and "'map' to 'odom'" in line
@@ -266,6 +246,14 @@ def test_another_source_of_the_owned_transform_is_named_and_left_alone(
 def test_signals_end_a_process_of_two_nodes_with_0(start: Start, sign: signal.Signals) -> None:
     node = start(NODES, "both")
     node.wait_for("[picky]: ready")
+    assert node.stop(sign) == 0
+    assert "Traceback" not in node.text
+
+
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_a_node_is_built_ends_it_with_0(start: Start, sign: signal.Signals) -> None:
+    node = start(NODES, "building")
+    node.wait_for("building")
     assert node.stop(sign) == 0
     assert "Traceback" not in node.text
 

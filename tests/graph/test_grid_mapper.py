@@ -21,7 +21,7 @@ from grid_mapper.map_files import load_map
 
 pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 
-NODE = ("-m", "grid_mapper.nodes.grid_mapper_node")
+NODE = (Path(__file__).with_name("listening.py"), "grid_mapper.nodes.grid_mapper_node")
 LASER = SE2(0.1, 0.0, 0.2)
 T0_NS = 1_000_000_000_000
 PERIOD_NS = 100_000_000
@@ -31,7 +31,7 @@ TOL_M = 0.03
 class Robot:
     """Drives through the square room and publishes what a robot would."""
 
-    def __init__(self, peer: Any) -> None:
+    def __init__(self, peer: Any, node: Any) -> None:
         from geometry_msgs.msg import PoseWithCovarianceStamped
         from nav_msgs.msg import OccupancyGrid
         from sensor_msgs.msg import LaserScan
@@ -46,9 +46,11 @@ class Robot:
         self.transforms = peer.collect(TFMessage, "/tf", TF_QOS)
         self._tf_message = TFMessage
         self._statics = StaticTransformBroadcaster(peer.node)
-        self._tf = peer.publisher(TFMessage, "/tf", TF_QOS)
-        self._scan = peer.publisher(LaserScan, "scan", RELIABLE_QOS)
+        self._tf = peer.publisher(TFMessage, "/tf", TF_QOS, to=node, num=2)
+        self._scan = peer.publisher(LaserScan, "scan", RELIABLE_QOS, to=node)
         self._statics.send("base_link", "laser", 0, Transform3.from_se2(LASER))
+        node.wait_to_hear("/tf_static")
+        peer.wait_to_hear("map", "pose", "/tf")
         self.poses_driven = drive_around()
         self.step = 0
 
@@ -69,16 +71,26 @@ class Robot:
         self._scan.publish(scan_to_msg(scan, Header(stamp=ns_to_stamp(stamp_ns), frame_id=frame)))
 
     def drive(self, num: int) -> SE2:
-        """Send scans, each before the odometry that covers it, as real robots do."""
+        """Send scans, each before the odometry that covers it, as real robots do; await poses."""
         pose = SE2.identity()
         for _ in range(num):
             stamp_ns = T0_NS + self.step * PERIOD_NS
             pose = self.poses_driven[self.step % len(self.poses_driven)]
             self.send_scan(pose, stamp_ns)
             self.send_odometry(self.poses_driven[0].between(pose), stamp_ns)
-            self.peer.spin(0.02)
+            self.wait_for_pose(stamp_ns)
             self.step += 1
         return self.poses_driven[0].between(pose)
+
+    def wait_for_pose(self, stamp_ns: int) -> None:
+        """Wait for the answer to a scan."""
+        stamp = (stamp_ns // 10**9, stamp_ns % 10**9)
+        self.peer.spin_until(
+            lambda: (
+                bool(self.poses)
+                and (self.poses[-1].header.stamp.sec, self.poses[-1].header.stamp.nanosec) == stamp
+            )
+        )
 
     def sent_by_mapper(self) -> list[Any]:
         return [t for m in self.transforms for t in m.transforms if t.header.frame_id == "map"]
@@ -88,7 +100,7 @@ class Robot:
 def mapper(start: Callable[..., Any], peer: Any) -> SimpleNamespace:
     node = start(*NODE, "--ros-args", "-p", "map_period_s:=0.2", "-p", "lost_after_s:=1.0")
     node.wait_for("ready", 60.0)
-    return SimpleNamespace(node=node, robot=Robot(peer), peer=peer)
+    return SimpleNamespace(node=node, robot=Robot(peer, node), peer=peer)
 
 
 def call(peer: Any, name: str) -> Any:
@@ -106,7 +118,7 @@ def test_a_drive_gives_poses_a_map_and_map_to_odom(mapper):
 
     robot = mapper.robot
     expected = robot.drive(30)
-    mapper.peer.spin_until(lambda: len(robot.poses) == 30)
+    assert len(robot.poses) == 30
     last = robot.poses[-1]
     assert last.header.frame_id == "map"
     assert last.header.stamp.sec * 10**9 + last.header.stamp.nanosec == T0_NS + 29 * PERIOD_NS
@@ -157,7 +169,6 @@ def test_a_blind_laser_means_lost_and_no_transform(mapper):
 
     robot = mapper.robot
     robot.drive(15)
-    mapper.peer.spin_until(lambda: len(robot.poses) == 15)
     blind = Scan(np.full(360, np.nan), -np.pi, 2.0 * np.pi / 360, 0.05, 30.0)
     for _ in range(15):
         stamp_ns = T0_NS + robot.step * PERIOD_NS
@@ -208,7 +219,7 @@ def test_odometry_without_transforms_is_taken_from_its_topic(mapper):
     from floornav_common.ros.messages import ns_to_stamp, se2_to_pose
     from floornav_common.ros.qos import RELIABLE_QOS
 
-    odom_pub = mapper.peer.publisher(Odometry, "odom", RELIABLE_QOS)
+    odom_pub = mapper.peer.publisher(Odometry, "odom", RELIABLE_QOS, to=mapper.node)
     robot = mapper.robot
     for step in range(10):
         stamp_ns = T0_NS + step * PERIOD_NS
@@ -218,5 +229,5 @@ def test_odometry_without_transforms_is_taken_from_its_topic(mapper):
         msg.header.frame_id, msg.header.stamp = "odom", ns_to_stamp(stamp_ns)
         msg.pose.pose = se2_to_pose(robot.poses_driven[0].between(pose))
         odom_pub.publish(msg)
-        mapper.peer.spin(0.05)
-    mapper.peer.spin_until(lambda: len(robot.poses) == 10)
+        robot.wait_for_pose(stamp_ns)
+    assert len(robot.poses) == 10

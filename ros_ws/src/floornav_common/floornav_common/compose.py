@@ -12,9 +12,13 @@ import sys
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
+from floornav_common.start import leave_on_signal
+
 
 def main(args: list[str] | None = None) -> int:
     """Parse the command line and run; returns the exit code."""
+    if args is None:
+        leave_on_signal()
     words = sys.argv[1:] if args is None else args
     parser = argparse.ArgumentParser(
         prog="compose",
@@ -37,7 +41,8 @@ def main(args: list[str] | None = None) -> int:
 def nodes_installed() -> dict[str, EntryPoint]:
     """Return the executables that are nodes, by `PACKAGE/EXECUTABLE`.
 
-    Such is a console script whose `main` stands in a module of the package's `nodes` folder.
+    Such is a console script whose function stands in the package's `nodes` folder; its node is in
+    the module `<executable>_node` there.
     """
     scripts = entry_points(group="console_scripts")
     found = {}
@@ -61,7 +66,8 @@ def find_node_class(name: str) -> Any:
         raise ValueError(f"no node '{name}' is installed; there are: {there}")
     from floornav_common.ros.main import node_classes
 
-    module = importlib.import_module(installed[name].module)
+    package, _, executable = name.partition("/")
+    module = importlib.import_module(f"{package}.nodes.{executable}_node")
     classes = node_classes(module)
     if len(classes) != 1:
         raise ValueError(f"'{name}' must define one node class, it defines {len(classes)}")

@@ -1,9 +1,11 @@
-"""Stamped messages that wait, in stamp order, for something to cover their stamps."""
+"""Stamped messages that wait, in stamp order, for something to cover their stamps.
+
+`WaitingQueue` sorts those that wait; `StampOrder` keeps what leaves from running back in time.
+"""
 
 from __future__ import annotations
 
 from bisect import insort
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,7 +28,7 @@ class Waiting:
 
 
 class WaitingQueue:
-    """Bounded queue in stamp order; its head leaves when covered, or too late, or pushed out.
+    """Bounded queue in stamp order; messages leave from its head, or too late, or pushed out.
 
     Args:
         capacity: Greatest number of messages; the oldest stamp goes first.
@@ -50,10 +52,13 @@ class WaitingQueue:
         out, self._waiting = self._waiting[:num_over], self._waiting[num_over:]
         return out
 
-    def pop_head(self, is_ready: Callable[[Waiting], bool]) -> Waiting | None:
-        """Return and remove the head if it is ready."""
-        if not self._waiting or not is_ready(self._waiting[0]):
-            return None
+    @property
+    def head(self) -> Waiting | None:
+        """The message with the oldest stamp, None if nobody waits."""
+        return self._waiting[0] if self._waiting else None
+
+    def pop_head(self) -> Waiting:
+        """Return and remove the message with the oldest stamp."""
         return self._waiting.pop(0)
 
     def pop_late(self, now_ns: int, timeout_ns: int) -> list[Waiting]:
@@ -66,3 +71,30 @@ class WaitingQueue:
         """Forget all; return how many there were."""
         num, self._waiting = len(self._waiting), []
         return num
+
+
+class StampOrder:
+    """Tells stamps that follow the newest so far from those that come behind it.
+
+    Args:
+        num_jump: So many behind in a row are taken for stamps that jumped back, and accepted.
+    """
+
+    def __init__(self, num_jump: int) -> None:
+        """Start with no stamp."""
+        self._num_jump = num_jump
+        self._newest_ns: int | None = None
+        self._num_behind = 0
+
+    def is_next(self, stamp_ns: int) -> bool:
+        """Return whether a stamp is not older than the newest, and remember it if so."""
+        if self._newest_ns is not None and stamp_ns < self._newest_ns:
+            self._num_behind += 1
+            if self._num_behind < self._num_jump:
+                return False
+        self._newest_ns, self._num_behind = stamp_ns, 0
+        return True
+
+    def restart(self) -> None:
+        """Begin a new order: time jumped back."""
+        self._newest_ns, self._num_behind = None, 0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from types import ModuleType
 
 import rclpy
@@ -13,6 +14,7 @@ from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
 
 from floornav_common.ros.parameters import ParameterError
+from floornav_common.start import interrupt_on_signal
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 _SPIN_S = 1.0  # spin() and spin_once(None) of the wheels' EventsExecutor never return
@@ -27,7 +29,8 @@ def run_node(make_node: Callable[[], Node], args: Sequence[str] | None = None) -
         args: Command line; None for `sys.argv`.
 
     Returns:
-        Exit code: 0 stopped by SIGINT, SIGTERM or shutdown, 1 failed, 2 not usable as given.
+        Exit code: 0 stopped by SIGINT, SIGTERM or shutdown, however early, 1 failed, 2 not usable
+        as given.
     """
     return run_nodes([make_node], args)
 
@@ -35,17 +38,23 @@ def run_node(make_node: Callable[[], Node], args: Sequence[str] | None = None) -
 def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | None = None) -> int:
     """Run several nodes in one process until they are told to stop; see `run_node`."""
     nodes: list[Node] = []
+    has_begun = False
     try:
-        _start(make_nodes, args, nodes)
+        interrupt_on_signal()
+        with _bad_start_as_usage():
+            rclpy.init(args=None if args is None else list(args))
+            has_begun = True
+            for make_node in make_nodes:
+                nodes.append(make_node())
         _spin(nodes)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except ParameterError as error:
-        print(error, file=sys.stderr)
-        return EXIT_USAGE
-    except Exception:
-        if _is_stopping(nodes):
-            return EXIT_OK
+    except Exception as error:
+        if has_begun and not rclpy.ok():
+            return EXIT_OK  # only cut short by the shutdown
+        if isinstance(error, ParameterError):
+            print(error, file=sys.stderr)
+            return EXIT_USAGE
         traceback.print_exc()
         return EXIT_FAILED
     finally:
@@ -61,11 +70,6 @@ def node_classes(module: ModuleType) -> list[type[Node]]:
     return [c for c in own if c.__module__ == module.__name__ and issubclass(c, Node)]
 
 
-def _is_stopping(nodes: Sequence[Node]) -> bool:
-    """Return whether what failed was only cut short by the shutdown."""
-    return bool(nodes) and not rclpy.ok()
-
-
 def make_executor() -> Executor:
     """Return the cheapest executor there is: EventsExecutor where rclpy has it."""
     try:
@@ -77,15 +81,13 @@ def make_executor() -> Executor:
     return EventsExecutor()
 
 
-def _start(
-    make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | None, nodes: list[Node]
-) -> None:
+@contextmanager
+def _bad_start_as_usage() -> Iterator[None]:
+    """Turn what rcl says of arguments and names that cannot be into a ParameterError."""
     try:
-        rclpy.init(args=None if args is None else list(args))
-        for make_node in make_nodes:
-            nodes.append(make_node())
+        yield
     except Exception as error:
-        if type(error).__name__ not in _BAD_START or (nodes and not rclpy.ok()):
+        if type(error).__name__ not in _BAD_START:
             raise
         raise ParameterError(_one_line(error)) from error
 

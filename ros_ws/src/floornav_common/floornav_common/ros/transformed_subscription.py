@@ -13,13 +13,15 @@ from floornav_common.ros.qos import create_subscription
 from floornav_common.time_watch import Throttle
 from floornav_common.transform3 import Transform3
 from floornav_common.transform_buffer import TransformUnavailable
-from floornav_common.waiting_queue import Waiting, WaitingQueue
+from floornav_common.waiting_queue import StampOrder, Waiting, WaitingQueue
 
 if TYPE_CHECKING:
     from floornav_common.ros.node import FloornavNode
 
 CAPACITY = 100  # 2.5 s at 40 Hz
 _WARN_PERIOD_NS = 5_000_000_000
+_BEHIND_IN_A_ROW = 20  # one is late; a second or two of nothing else is a stamp that jumped back
+_BEHIND = "a message came late, older than one already handed over"
 
 
 class TransformedSubscription:
@@ -27,6 +29,10 @@ class TransformedSubscription:
 
     Nothing blocks: a message waits in a bounded queue, each arriving transform has a look at the
     head, and what has waited for `transform_timeout_s` is dropped, counted and named.
+
+    A message that comes late is put in its place while newer ones still wait; once a newer one was
+    handed over it is dropped and counted, so stamps never run back in the callback. Only a clock
+    or transforms that jump back, or 20 such messages in a row, begin a new order.
 
     Args:
         node: Node with `transforms`, `frames`, `time` and `diagnostics`.
@@ -40,7 +46,8 @@ class TransformedSubscription:
         topic: Full name of the topic.
         num_received: Messages that came.
         num_delivered: Messages handed to the callback.
-        num_dropped: Messages given up, for want of a transform or of room.
+        num_dropped: Messages given up, for want of a transform or of room, or for coming too late.
+        num_behind: Those of them that came after a newer one was handed over.
     """
 
     def __init__(
@@ -54,15 +61,16 @@ class TransformedSubscription:
     ) -> None:
         """Subscribe, to the transforms too."""
         self.target_frame = target_frame
-        self.num_received = self.num_delivered = self.num_dropped = 0
+        self.num_received = self.num_delivered = self.num_dropped = self.num_behind = 0
         self._node = node
         self._callback = callback
         self._queue = WaitingQueue(CAPACITY)
         self._warnings = Throttle(_WARN_PERIOD_NS)
-        self._found = Transform3.identity()
-        self._missing = self._error = ""
+        self._order = StampOrder(_BEHIND_IN_A_ROW)
+        self._problem = self._error = ""
         self._dropped_at_ns: int | None = None
         node.transforms.on_update(self._deliver)
+        node.transforms.on_restart(self._order.restart)
         node.time.on_restart(self._restart)
         node.time.on_look(self._look)
         self._subscription = create_subscription(node, msg_type, topic, self._on_message, qos)
@@ -75,59 +83,72 @@ class TransformedSubscription:
             "received": self.num_received,
             "delivered": self.num_delivered,
             "dropped": self.num_dropped,
+            "dropped, too old": self.num_behind,
             "waiting": len(self._queue),
             "last reason": self._error,
         }
         since_ns = self._node.time.steady_ns() - (self._dropped_at_ns or 0)
         if self._dropped_at_ns is not None and since_ns < _WARN_PERIOD_NS:
-            return Status(WARN, self._missing, values)
+            return Status(WARN, self._problem, values)
         return Status(OK, "transforms are there" if self.num_delivered else "no message", values)
 
     def _on_message(self, msg: Any) -> None:
         self.num_received += 1
         stamp_ns = stamp_to_ns(msg.header.stamp)
         for waiting in self._queue.push(stamp_ns, self._node.time.read_ns(), msg):
-            self._drop(waiting, f"more than {CAPACITY} messages wait")
+            self._drop_untransformed(waiting, f"more than {CAPACITY} messages wait")
         self._deliver()
 
     def _look(self) -> None:
         timeout_ns = int(self._node.frames.transform_timeout_s * 1e9)
         for waiting in self._queue.pop_late(self._node.time.now_ns, timeout_ns):
             # What waited behind an older message may well have its transform.
-            if self._is_covered(waiting):
-                self._hand_over(waiting)
+            transform = self._find(waiting)
+            if transform is not None:
+                self._hand_over(waiting, transform)
             else:
-                self._drop(waiting, self._error)
+                self._drop_untransformed(waiting, self._error)
         self._deliver()
 
     def _deliver(self) -> None:
-        while (waiting := self._queue.pop_head(self._is_covered)) is not None:
-            self._hand_over(waiting)
+        while (head := self._queue.head) is not None:
+            transform = self._find(head)
+            if transform is None:
+                return
+            self._queue.pop_head()
+            self._hand_over(head, transform)
 
-    def _hand_over(self, waiting: Waiting) -> None:
+    def _hand_over(self, waiting: Waiting, transform: Transform3) -> None:
+        if not self._order.is_next(waiting.stamp_ns):
+            self.num_behind += 1
+            self._drop(_BEHIND)
+            return
         self.num_delivered += 1
-        self._callback(waiting.msg, self._found)
+        self._callback(waiting.msg, transform)
 
-    def _drop(self, waiting: Waiting, reason: str) -> None:
-        self.num_dropped += 1
-        self._error, self._dropped_at_ns = reason, self._node.time.steady_ns()
+    def _drop_untransformed(self, waiting: Waiting, reason: str) -> None:
+        self._error = reason
         frame = waiting.msg.header.frame_id
-        self._missing = f"no transform from '{frame}' to '{self.target_frame}' in time"
+        self._drop(f"no transform from '{frame}' to '{self.target_frame}' in time", reason)
+
+    def _drop(self, problem: str, reason: str = "") -> None:
+        self.num_dropped += 1
+        self._problem, self._dropped_at_ns = problem, self._node.time.steady_ns()
         if self._warnings.is_due(self._dropped_at_ns):
             self._node.get_logger().warning(
                 f"{self.topic}: {self.num_dropped} of {self.num_received} messages dropped, "
-                f"{self._missing}: {reason}"
+                f"{problem}{reason and ': ' + reason}"
             )
 
-    def _is_covered(self, waiting: Waiting) -> bool:
+    def _find(self, waiting: Waiting) -> Transform3 | None:
         buffer = self._node.transforms.buffer
         try:
             frame = waiting.msg.header.frame_id
-            self._found = buffer.lookup(self.target_frame, frame, waiting.stamp_ns)
+            return buffer.lookup(self.target_frame, frame, waiting.stamp_ns)
         except (TransformUnavailable, ValueError) as error:
             self._error = str(error)
-            return False
-        return True
+            return None
 
     def _restart(self) -> None:
         self._queue.clear()
+        self._order.restart()

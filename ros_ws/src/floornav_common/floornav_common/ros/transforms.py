@@ -52,6 +52,7 @@ class TransformListener:
         self._num_old = 0
         self._on_update: list[Callable[[], None]] = []
         self._on_sample: list[Callable[[Any], None]] = []
+        self._on_restart: list[Callable[[], None]] = []
         message = tf_message_type()
         if message is None:
             node.get_logger().error(NO_TF)
@@ -66,6 +67,10 @@ class TransformListener:
     def on_sample(self, callback: Callable[[Any], None]) -> None:
         """Call back with every geometry_msgs/TransformStamped of /tf."""
         self._on_sample.append(callback)
+
+    def on_restart(self, callback: Callable[[], None]) -> None:
+        """Call back when the buffer forgets all that moves, for whatever reason."""
+        self._on_restart.append(callback)
 
     def add(self, parent: str, child: str, stamp_ns: int, place: Vector, turn: Vector) -> None:
         """Store a moving transform that came another way than by /tf.
@@ -84,6 +89,8 @@ class TransformListener:
     def clear(self) -> None:
         """Forget all that moves: the clock jumped back."""
         self.buffer.clear()
+        for callback in self._on_restart:
+            callback()
 
     def _on_tf(self, msg: Any) -> None:
         for callback in self._on_sample:
