@@ -16,12 +16,11 @@ from grid_mapper.log_odds import LogOddsGrid
 
 
 class GridMapper:
-    """Turns scans into a trajectory and a map.
+    """Turns scans into poses and a map; what it holds grows with the area seen, not with time.
 
     Attributes:
         config: Its values; change them with `reconfigure`.
         grid: The grid by the rule chosen.
-        trajectory: (stamp_ns, T_map_base) of every scan.
     """
 
     def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
@@ -31,7 +30,7 @@ class GridMapper:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the map and the trajectory."""
+        """Forget the map and the pose."""
         config = self.config
         self._localizer = ScanLocalizer(config, self._T_map_start)
         self.grid: LabelGrid | LogOddsGrid = (
@@ -39,7 +38,6 @@ class GridMapper:
             if config.grid == "label"
             else LogOddsGrid(config.log_odds, config.resolution_m)
         )
-        self.trajectory: list[tuple[int, SE2]] = []
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Go on with other values; those marked read-only stay as they were."""
@@ -65,7 +63,6 @@ class GridMapper:
         result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
         if result.is_key_scan:
             self.grid.add_scan(scan, result.T_map_base @ T_base_laser)
-        self.trajectory.append((stamp_ns, result.T_map_base))
         return result
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:

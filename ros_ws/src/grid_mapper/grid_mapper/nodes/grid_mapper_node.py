@@ -138,7 +138,7 @@ class GridMapperNode(FloornavNode):
         if not self._is_changed:
             return
         self._is_changed = False
-        stamp = messages.ns_to_stamp(self._mapper.trajectory[-1][0])
+        stamp = messages.ns_to_stamp(self._path.poses()[-1][0])
         grid = self._mapper.occupancy()
         self._map_pub.publish(messages.grid_to_msg(grid, stamp, self.frames.map))
         self._path_pub.publish(path_to_msg(self._path.poses(), stamp, self.frames.map))
