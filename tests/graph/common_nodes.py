@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from listening import say_publishers_when_ready
+from listening import say_others_when_ready
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import LaserScan
 
@@ -136,5 +136,5 @@ NODES = {
 }  # fmt: skip
 
 if __name__ == "__main__":
-    say_publishers_when_ready()
+    say_others_when_ready()
     sys.exit(run_nodes(NODES[sys.argv[1]]))

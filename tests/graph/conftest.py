@@ -114,6 +114,7 @@ class Peer:
         self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
         self._subscriptions: dict[str, Any] = {}
+        self._clients: dict[str, Any] = {}
 
     def spin(self, seconds: float) -> None:
         """Work for a while."""
@@ -150,6 +151,22 @@ class Peer:
         else:
             to.wait_to_hear(publisher.topic_name, num)
         return publisher
+
+    def call(self, srv_type: type, service: str, request: Any, to: NodeProcess) -> Any:
+        """Return the answer of a service of a node that says who calls it (listening.py)."""
+        if service not in self._clients:
+            client = self._clients[service] = self.node.create_client(srv_type, service)
+            self.spin_until(client.service_is_ready)
+            to.wait_for(f"{client.srv_name} is called by")
+        answer = self._clients[service].call_async(request)
+        self.spin_until(answer.done)
+        return answer.result()
+
+    def trigger(self, service: str, to: NodeProcess) -> Any:
+        """Return the answer of a Trigger service; see `call`."""
+        from std_srvs.srv import Trigger
+
+        return self.call(Trigger, service, Trigger.Request(), to)
 
     def publish_until(
         self, publisher: Any, msg: Any, is_done: Callable[[], bool], timeout: float = DISCOVERY_S

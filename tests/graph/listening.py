@@ -18,32 +18,38 @@ from floornav_common.ros.node import FloornavNode
 LOOK_PERIOD_S = 0.05
 
 
-def say_publishers(node: Node) -> None:
-    """Print how many publishers each subscription of a node has found, whenever that changes."""
+def say_others(node: Node) -> None:
+    """Print how many publishers a node's subscriptions and clients its services have found."""
     said: dict[str, int] = {}
+
+    def say(what: str, num: int) -> None:
+        if said.get(what, 0) != num:
+            said[what] = num
+            print(f"{what} {num}", flush=True)
 
     def look() -> None:
         for subscription in node.subscriptions:
-            topic, num = subscription.topic_name, subscription.get_publisher_count()
-            if said.get(topic, 0) != num:
-                said[topic] = num
-                print(f"{topic} is heard from {num}", flush=True)
+            num = subscription.get_publisher_count()
+            say(f"{subscription.topic_name} is heard from", num)
+        for service in node.services:
+            name = service.service_name
+            say(f"{name} is called by", node.count_clients(name))
 
     node.create_timer(LOOK_PERIOD_S, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
-def say_publishers_when_ready() -> None:
+def say_others_when_ready() -> None:
     """Let every node of ours do so from the moment it is ready."""
     ready = FloornavNode.ready
 
     def ready_and_listening(node: FloornavNode, *args: Any) -> None:
         ready(node, *args)
-        say_publishers(node)
+        say_others(node)
 
     FloornavNode.ready = ready_and_listening  # type: ignore[method-assign]
 
 
 if __name__ == "__main__":
-    say_publishers_when_ready()
+    say_others_when_ready()
     sys.argv = sys.argv[1:]
     sys.exit(import_module(sys.argv[0]).main())

@@ -177,16 +177,12 @@ def test_unknown_key_in_a_parameter_file_is_refused(start: Start, tmp_path: Path
 def test_parameters_set_at_run_time_are_checked(start: Start, peer: Peer) -> None:
     node = start(NODES, "tuned", "--ros-args", "-p", "gain:=1", "-p", "use_sim_time:=false")
     node.wait_for("gain=1.0")
-    client = peer.node.create_client(SetParameters, "/tuned/set_parameters")
-    peer.spin_until(client.service_is_ready)
 
     def set_to(name: str, value: Any) -> Any:
         request = SetParameters.Request(
             parameters=[Parameter(name, value=value).to_parameter_msg()]
         )
-        future = client.call_async(request)
-        peer.spin_until(future.done)
-        return future.result().results[0]
+        return peer.call(SetParameters, "/tuned/set_parameters", request, node).results[0]
 
     assert set_to("gain", 0.25).successful
     node.wait_for("changed to TunedConfig(gain=0.25")

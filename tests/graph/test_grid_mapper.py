@@ -103,16 +103,6 @@ def mapper(start: Callable[..., Any], peer: Any) -> SimpleNamespace:
     return SimpleNamespace(node=node, robot=Robot(peer, node), peer=peer)
 
 
-def call(peer: Any, name: str) -> Any:
-    from std_srvs.srv import Trigger
-
-    client = peer.node.create_client(Trigger, name)
-    peer.spin_until(client.service_is_ready)
-    future = client.call_async(Trigger.Request())
-    peer.spin_until(future.done)
-    return future.result()
-
-
 def test_a_drive_gives_poses_a_map_and_map_to_odom(mapper):
     from floornav_common.ros.messages import grid_from_msg, pose_to_se2
 
@@ -139,17 +129,15 @@ def test_save_map_works_a_hundred_times_while_scans_arrive(mapper, tmp_path):
 
     mapper.robot.drive(10)
     mapper.peer.spin_until(lambda: bool(mapper.robot.maps))
-    client = mapper.peer.node.create_client(SetParameters, "grid_mapper/set_parameters")
-    mapper.peer.spin_until(client.service_is_ready)
     for number in range(100):
         mapper.robot.drive(1)
         name = Parameter("map_file", value=str(tmp_path / f"m{number}")).to_parameter_msg()
-        future = client.call_async(SetParameters.Request(parameters=[name]))
-        mapper.peer.spin_until(future.done)
-        answer = call(mapper.peer, "grid_mapper/save_map")
+        request = SetParameters.Request(parameters=[name])
+        mapper.peer.call(SetParameters, "grid_mapper/set_parameters", request, mapper.node)
+        answer = mapper.peer.trigger("grid_mapper/save_map", mapper.node)
         assert answer.success, answer.message
         assert (load_map(answer.message).cells == 100).any()
-    again = call(mapper.peer, "grid_mapper/save_map")
+    again = mapper.peer.trigger("grid_mapper/save_map", mapper.node)
     assert not again.success and "another name" in again.message
 
 
@@ -202,8 +190,8 @@ def test_another_source_of_map_to_odom_is_named_and_left_alone(mapper):
 def test_reset_empties_the_map(mapper):
     mapper.robot.drive(10)
     mapper.peer.spin_until(lambda: bool(mapper.robot.maps))
-    assert call(mapper.peer, "grid_mapper/reset").success
-    answer = call(mapper.peer, "grid_mapper/save_map")
+    assert mapper.peer.trigger("grid_mapper/reset", mapper.node).success
+    answer = mapper.peer.trigger("grid_mapper/save_map", mapper.node)
     assert not answer.success and "no cells" in answer.message
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,17 +17,17 @@ from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.qos import CLOCK_QOS, LATCHED_QOS, RELIABLE_QOS, SENSOR_QOS
 
+LISTENING = Path(__file__).with_name("listening.py")
 START_S = 20.0
 
 
-def _node(*parameters: str) -> list[str]:
+def _node(*parameters: str) -> list[str | Path]:
     given = [word for parameter in parameters for word in ("-p", parameter)]
-    return ["-m", "sim_bridge.nodes.sim_bridge_node", "--ros-args", *given]
+    return [LISTENING, "sim_bridge.nodes.sim_bridge_node", "--ros-args", *given]
 
 
 @pytest.fixture
@@ -39,14 +40,6 @@ def sim(start: Callable[..., Any]) -> Callable[..., Any]:
         return process
 
     return begin
-
-
-def _call(peer: Any, service: str) -> Any:
-    client = peer.node.create_client(Trigger, service)
-    peer.spin_until(client.service_is_ready)
-    answer = client.call_async(Trigger.Request())
-    peer.spin_until(answer.done)
-    return answer.result()
 
 
 def test_it_sends_scan_odometry_clock_and_description(sim, peer) -> None:
@@ -113,13 +106,13 @@ def test_a_nan_command_is_named_and_survived(sim, peer) -> None:
 
 def test_in_lockstep_time_goes_on_only_when_asked(sim, peer) -> None:
     odometry = peer.collect(Odometry, "odom", RELIABLE_QOS)
-    sim("lockstep:=true", "step_s:=0.2")
+    process = sim("lockstep:=true", "step_s:=0.2")
     peer.spin(0.5)
     assert not odometry
-    assert _call(peer, "sim_bridge/step").message == "at 0.20 s"
-    assert _call(peer, "sim_bridge/step").message == "at 0.40 s"
-    assert _call(peer, "sim_bridge/reset").success
-    assert _call(peer, "sim_bridge/step").message == "at 0.20 s"
+    assert peer.trigger("sim_bridge/step", process).message == "at 0.20 s"
+    assert peer.trigger("sim_bridge/step", process).message == "at 0.40 s"
+    assert peer.trigger("sim_bridge/reset", process).success
+    assert peer.trigger("sim_bridge/step", process).message == "at 0.20 s"
 
 
 def test_an_unknown_world_is_one_line_and_exit_code_2(start) -> None:

@@ -109,7 +109,7 @@ def _to_image(cells: np.ndarray, mode: str) -> np.ndarray:
     """Return the image of a map, rows in the map's order."""
     unknown = (cells < 0) | (cells > OCCUPIED)
     if mode == "raw":
-        return np.where(unknown, 255, cells).astype(np.uint8)
+        return np.where(unknown, np.uint8(255), cells.astype(np.uint8))
     if mode == "scale":
         grey = (255 - np.rint(2.55 * np.clip(cells, 0, 100))).astype(np.uint8)
         return np.dstack([grey] * 3 + [np.where(unknown, 0, 255).astype(np.uint8)])
