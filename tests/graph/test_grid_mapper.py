@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -199,6 +200,20 @@ def test_a_wrong_parameter_ends_the_node_with_one_line(start):
     node = start(*NODE, "--ros-args", "-p", "matcher.cell_m:=-1.0")
     assert node.wait_for_exit(30.0) == 2
     assert "matcher.cell_m must be > 0" in node.text and "Traceback" not in node.text
+
+
+def test_it_runs_with_nothing_but_paths_in_its_environment(start, peer, monkeypatch):
+    kept = ("AMENT_PREFIX_PATH", "PYTHONPATH", "PATH", "HOME", "LD_LIBRARY_PATH", "ROS_DOMAIN_ID")
+    own = ("PYTHONUNBUFFERED", "ROS_AUTOMATIC_DISCOVERY_RANGE", "NUMBA_CACHE_DIR")
+    for name in os.environ:
+        if name not in (*kept, *own, "_ROS_WHEELS_BOOTSTRAP_COMPLETE"):
+            monkeypatch.delenv(name)
+    node = start(*NODE)
+    node.wait_for("ready", 60.0)
+    robot = Robot(peer, node)
+    robot.drive(5)
+    assert len(robot.poses) == 5
+    assert node.stop() == 0 and "Traceback" not in node.text
 
 
 def test_odometry_without_transforms_is_taken_from_its_topic(mapper):
