@@ -113,7 +113,7 @@ class Demo:
         write_report(self._out, title, values, self.problem)
 
     def _drive(self, children: Processes, spin: Callable[[], None]) -> None:
-        # The simulator comes last: its time begins when all others are there to hear it.
+        # The simulator comes last, and its time begins when all others listen.
         text = "starting the nodes (the first time, grid_mapper compiles its kernels) ..."
         say(text, is_quiet=self._args.quiet)
         for name, command in self._commands().items():
@@ -124,11 +124,13 @@ class Demo:
         children.start("sim_bridge", self._commands()["sim_bridge"])
         children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
         self._watch(children, spin)
+        end_ns = self._heard.truth[-1][0] if self._heard.truth else 0
         children.stop("route_follower")
         # The last map and the last scans are still under way.
         end = time.monotonic() + 2.0
         while time.monotonic() < end:
             spin()
+        self._heard.cut_off(end_ns)
 
     def _watch(self, children: Processes, spin: Callable[[], None]) -> None:
         started = time.monotonic()
@@ -178,7 +180,9 @@ class Demo:
     def _commands(self) -> dict[str, list[str]]:
         route = self._start.inverse() @ np.array(self._route.waypoints_m)
         numbers = ", ".join(f"{value:.4f}" for value in route.ravel())
-        commands = {
+        record = [sys.executable, str(_SCRIPTS / "record.py"), *_RECORDED]
+        return {
+            "record": [*record, "--out", str(self._out / "bag")],
             "grid_mapper": _node("grid_mapper.nodes.grid_mapper_node", use_sim_time="true"),
             "route_follower": _node(
                 "sim_bridge.nodes.route_follower_node",
@@ -192,15 +196,11 @@ class Demo:
                 seed=str(self._args.seed),
                 real_time_factor=str(float(self._args.rtf)),
                 view=str(self._has_window).lower(),
+                start_nodes="[grid_mapper, route_follower, bag_recorder, demo_watch]",
                 pace_topics="[cmd_vel, pose]",
                 pace_lag_s="0.12",
             ),
         }
-        record = _SCRIPTS / "record.py"
-        if record.exists():
-            out = str(self._out / "bag")
-            commands["record"] = [sys.executable, str(record), *_RECORDED, "--out", out]
-        return commands
 
 
 class Liveness:

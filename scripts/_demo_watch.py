@@ -43,6 +43,11 @@ class Heard:
     grid_ns: int = 0
     path: float = 0.0
 
+    def cut_off(self, end_ns: int) -> None:
+        """Forget the poses of later stamps."""
+        for track in (self.truth, self.odometry, self.estimate):
+            track[:] = [(stamp, pose) for stamp, pose in track if stamp <= end_ns]
+
     @property
     def sim_s(self) -> float:
         """Simulated time so far."""

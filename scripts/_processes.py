@@ -1,4 +1,7 @@
-"""Child processes of a script: started with a log each, watched, ended as whole groups."""
+"""Child processes of a script: started with a log each, watched, ended as whole groups.
+
+They end with the script, also when that is killed outright.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,14 @@ import os
 import signal
 import socket
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 _PATIENCE_S = 8.0
+_CHILD = str(Path(__file__).with_name("_child.py"))
 
 
 class ChildDiedError(RuntimeError):
@@ -46,11 +51,14 @@ class Processes:
         self.stop_all()
 
     def start(self, name: str, command: Sequence[str]) -> None:
-        """Start a child in a process group of its own, so that Ctrl-C reaches only the script."""
+        """Start a child in a process group of its own, so that Ctrl-C reaches only the script.
+
+        To be called from the main thread: the child ends with the thread that started it.
+        """
         log = self._log_dir / f"{name}.log"
         with log.open("wb") as output:
             process = subprocess.Popen(
-                list(command),
+                [sys.executable, "-I", "-S", _CHILD, str(os.getpid()), *command],
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=subprocess.STDOUT,

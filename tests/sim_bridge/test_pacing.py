@@ -1,6 +1,6 @@
 """Waiting for answers, in hand-made time."""
 
-from sim_bridge.pacing import Pace
+from sim_bridge.pacing import Audience, Pace
 
 S = 1_000_000_000
 
@@ -39,3 +39,15 @@ def test_a_wait_that_ended_does_not_count_for_the_next() -> None:
     assert pace.give_up(S, 4.0) == []
     assert pace.give_up(2 * S, 6.0) == []
     assert pace.late(2 * S) == ["pose"]
+
+
+def test_time_starts_once_all_listen_are_matched_and_no_more_come_for_a_moment() -> None:
+    audience = Audience(["/mapper", "/recorder"], settle_s=1.0)
+    assert audience.missing == ["/mapper", "/recorder"]
+    assert not audience.is_there(0.0, ["/mapper"], 2, 2)
+    assert audience.missing == ["/recorder"]
+    assert not audience.is_there(5.0, ["/mapper", "/recorder"], 4, 3)
+    assert not audience.is_there(7.0, ["/mapper", "/recorder"], 4, 4)
+    assert not audience.is_there(7.5, ["/mapper", "/recorder"], 5, 5)
+    assert not audience.is_there(8.4, ["/mapper", "/recorder"], 5, 5)
+    assert audience.is_there(8.5, ["/mapper", "/recorder"], 5, 5)

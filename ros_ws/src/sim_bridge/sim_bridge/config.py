@@ -21,6 +21,10 @@ class SimBridgeConfig:
     lockstep: bool = param(False, "Go on only when `~/step` is called.")
     step_s: float = param(0.1, "How far `~/step` goes.", unit="s", ge=0.01, le=60.0)
     clock_period_s: float = param(0.02, "Simulated time between `/clock` messages.", unit="s", gt=0)
+    start_nodes: tuple[str, ...] = param(
+        (), "Nodes that time waits for before it starts, such as `grid_mapper`; none = no waiting.",
+        read_only=True,
+    )  # fmt: skip
     pace_topics: tuple[str, ...] = param(
         (), "Topics that time waits for, such as `cmd_vel` and `pose`; none = no waiting.",
         read_only=True,
@@ -63,8 +67,9 @@ class RouteConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class DriveConfig:
-    """Limits of a differential drive between `cmd_vel` and the wheels."""
+    """Limits of a drive between `cmd_vel` and the wheels."""
 
+    is_omnidirectional: bool = param(False, "Moves sideways too; needs `wheels.bearings_deg`.")
     max_speed_m_s: float = param(1.667, "Fastest travel.", unit="m/s", gt=0.0)
     max_yaw_rate_rad_s: float = param(1.5, "Fastest turn.", unit="rad/s", gt=0.0)
     max_accel_m_s2: float = param(0.8, "Acceleration and braking limit.", unit="m/s^2", gt=0.0)
@@ -79,8 +84,18 @@ class DriveConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class WheelConfig:
-    """Wheels and the ways in which they do not do what the encoders say."""
+    """Wheels and the ways in which they do not do what the encoders say.
 
+    Without `bearings_deg` they are the two of a differential drive.
+    """
+
+    bearings_deg: tuple[float, ...] = param(
+        (), "Where omnidirectional wheels sit, seen from the middle; each drives across its bearing.",
+        unit="deg",
+    )  # fmt: skip
+    mount_radius_m: float = param(
+        0.07, "Distance of omnidirectional wheels from the middle.", unit="m", gt=0.0
+    )
     radius_m: float = param(0.19, "Wheel radius that the robot believes.", unit="m", gt=0.0)
     track_m: float = param(0.50, "Distance between the wheels.", unit="m", gt=0.0)
     ticks_per_turn: int = param(2048, "Encoder ticks a wheel turn; 0 = exact.", ge=0)
@@ -91,6 +106,8 @@ class WheelConfig:
 
     def __post_init__(self) -> None:
         validate(self)
+        if len(self.bearings_deg) in (1, 2):
+            raise ValueError(f"bearings_deg must hold 0 or >= 3 wheels, got {self.bearings_deg}")
 
 
 @dataclass(frozen=True, kw_only=True)

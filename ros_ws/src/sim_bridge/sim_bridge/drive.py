@@ -10,10 +10,11 @@ from sim_bridge.config import DriveConfig
 
 @dataclass(frozen=True)
 class Velocity:
-    """Velocity of a base in the plane: m/s forward, rad/s counter-clockwise."""
+    """Velocity of a base in the plane: m/s forward and to the left, rad/s counter-clockwise."""
 
     speed: float
     yaw_rate: float
+    side_speed: float = 0.0
 
 
 STOP = Velocity(0.0, 0.0)
@@ -44,6 +45,7 @@ def refusal(config: DriveConfig, command: Velocity) -> str:
     """
     limits = (
         ("linear.x", command.speed, config.max_speed_m_s, "m/s"),
+        ("linear.y", command.side_speed, config.max_speed_m_s, "m/s"),
         ("angular.z", command.yaw_rate, config.max_yaw_rate_rad_s, "rad/s"),
     )
     for name, value, limit, unit in limits:
@@ -74,16 +76,28 @@ def drive_step(
         age, target = waiting.pop(0)
     if age > config.command_timeout_s + 1e-9:
         target = STOP
-    wanted = (
-        _clip(target.speed, config.max_speed_m_s),
-        _clip(target.yaw_rate, config.max_yaw_rate_rad_s),
-    )
-    now = state.velocity
-    velocity = Velocity(
-        now.speed + _clip(wanted[0] - now.speed, config.max_accel_m_s2 * dt),
-        now.yaw_rate + _clip(wanted[1] - now.yaw_rate, config.max_yaw_accel_rad_s2 * dt),
-    )
+    velocity = _limited(config, state.velocity, target, dt)
     return DriveState(velocity, target, age, tuple(waiting))
+
+
+def _limited(config: DriveConfig, now: Velocity, target: Velocity, dt: float) -> Velocity:
+    """Return the velocity on the way to a target; limits act on the vector (floor paper, eq. 10).
+
+    A base that cannot move sideways ignores that part of a command, as drivers do.
+    """
+    yaw_rate = _clip(target.yaw_rate, config.max_yaw_rate_rad_s)
+    turn = now.yaw_rate + _clip(yaw_rate - now.yaw_rate, config.max_yaw_accel_rad_s2 * dt)
+    if not config.is_omnidirectional:
+        speed = _clip(target.speed, config.max_speed_m_s)
+        return Velocity(now.speed + _clip(speed - now.speed, config.max_accel_m_s2 * dt), turn)
+    x, y = _shortened(target.speed, target.side_speed, config.max_speed_m_s)
+    dx, dy = _shortened(x - now.speed, y - now.side_speed, config.max_accel_m_s2 * dt)
+    return Velocity(now.speed + dx, turn, now.side_speed + dy)
+
+
+def _shortened(x: float, y: float, limit: float) -> tuple[float, float]:
+    share = limit / max(math.hypot(x, y), limit)
+    return share * x, share * y
 
 
 def _clip(value: float, limit: float) -> float:

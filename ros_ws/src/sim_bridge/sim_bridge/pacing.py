@@ -1,5 +1,6 @@
-"""Waiting for those who answer, so that a slow machine only takes longer.
+"""Waiting for those who listen and answer, so that a slow machine only takes longer.
 
+Simulated time starts once those who are named listen (`Audience`).
 The simulation goes on only while every named topic has been heard within `lag_s` of simulated
 time. A wait is bounded: after `timeout_s` of real time it goes on without the late one, which is
 then left out until it is heard again.
@@ -8,6 +9,43 @@ then left out until it is heard again.
 from __future__ import annotations
 
 from collections.abc import Iterable
+
+
+class Audience:
+    """Who has to listen before time starts; nothing here reads a clock.
+
+    Args:
+        names: Full names of nodes.
+        settle_s: Everybody is there once nothing has changed for so long, real time: a node finds
+            our topics one after the other, and a little after we have found it.
+    """
+
+    def __init__(self, names: Iterable[str], settle_s: float) -> None:
+        self._names = frozenset(names)
+        self._settle_s = settle_s
+        self._seen: tuple[frozenset[str], int, int] | None = None
+        self._since = 0.0
+
+    def is_there(self, now: float, names: Iterable[str], num_known: int, num_matched: int) -> bool:
+        """Tell whether everybody listens.
+
+        Args:
+            now: Real time, s.
+            names: Full names of the nodes that subscribe to us.
+            num_known: How many subscriptions they have, as the graph says.
+            num_matched: How many our publishers have found.
+        """
+        seen = (frozenset(names), num_known, num_matched)
+        if seen != self._seen:
+            self._seen, self._since = seen, now
+        if self.missing or num_matched < num_known:
+            return False
+        return now - self._since >= self._settle_s
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of those who do not listen yet."""
+        return sorted(self._names - (self._seen[0] if self._seen else frozenset()))
 
 
 class Pace:

@@ -146,10 +146,12 @@ class Physics:
         # Along the middle direction of the step, with the chord of the arc: no curve is cut.
         turn = velocity.yaw_rate * self._dt
         middle = self.pose(name).yaw + turn / 2.0
-        speed = velocity.speed * float(np.sinc(turn / (2.0 * np.pi)))
+        shrunk = float(np.sinc(turn / (2.0 * np.pi)))
+        ahead, aside = shrunk * velocity.speed, shrunk * velocity.side_speed
+        c, s = math.cos(middle), math.sin(middle)
         self._engine.resetBaseVelocity(
             self._bodies[name],
-            [speed * math.cos(middle), speed * math.sin(middle), 0.0],
+            [ahead * c - aside * s, ahead * s + aside * c, 0.0],
             [0.0, 0.0, velocity.yaw_rate],
             physicsClientId=self._client,
         )

@@ -18,18 +18,18 @@ GROUND_TRUTH_FRAME = "ground_truth"
 
 
 def velocity_from_msg(msg: Any) -> Velocity:
-    """Return the forward speed and yaw rate of a Twist or TwistStamped."""
+    """Return the planar velocity of a Twist or TwistStamped."""
     twist = msg.twist if hasattr(msg, "twist") else msg
-    return Velocity(float(twist.linear.x), float(twist.angular.z))
+    return Velocity(float(twist.linear.x), float(twist.angular.z), float(twist.linear.y))
 
 
 def odometry_msg(
     state: OdometryState, config: OdometryConfig, stamp_ns: int, frame: str, child: str
 ) -> Any:
-    """Return dead reckoning as Odometry; the covariance of a base that cannot move sideways."""
+    """Return dead reckoning as Odometry."""
     reading = OdometryReading(
         T_odom_base=state.pose,
-        twist=(state.velocity.speed, 0.0, state.velocity.yaw_rate),
+        twist=(state.velocity.speed, state.velocity.side_speed, state.velocity.yaw_rate),
         pose_cov=state.cov,
         twist_cov=np.diag([config.speed_sd, config.speed_sd, config.yaw_rate_sd]) ** 2,
     )
@@ -38,9 +38,9 @@ def odometry_msg(
 
 def ground_truth_msg(truth: GroundTruth, stamp_ns: int, child: str) -> Any:
     """Return the true pose in the world as Odometry, in a frame that TF does not have."""
-    reading = OdometryReading(
-        T_odom_base=truth.pose, twist=(truth.velocity.speed, 0.0, truth.velocity.yaw_rate)
-    )
+    velocity = truth.velocity
+    twist = (velocity.speed, velocity.side_speed, velocity.yaw_rate)
+    reading = OdometryReading(T_odom_base=truth.pose, twist=twist)
     return odometry_to_msg(reading, ns_to_stamp(stamp_ns), GROUND_TRUTH_FRAME, child)
 
 

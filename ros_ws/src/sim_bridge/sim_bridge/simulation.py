@@ -170,8 +170,7 @@ class Simulation:
     def _observe(self, name: str, command: Velocity | None, before: SE2) -> RobotObservation:
         config = self.models[name].config
         pose, dt = self._physics.pose(name), STEP_NS * 1e-9
-        motion = before.between(pose)
-        velocity = Velocity(math.copysign(motion.distance, motion.x) / dt, motion.yaw / dt)
+        velocity = _mean_velocity(before.between(pose), dt)
         return RobotObservation(
             scan=self._scan(name),
             odometry=self._odometry(name),
@@ -203,7 +202,16 @@ class Simulation:
         streams = np.random.SeedSequence([self._seed, zlib.crc32(name.encode())]).spawn(2)
         rng_wheels, rng_laser = (np.random.default_rng(stream) for stream in streams)
         wheels = first_wheel_state(self.models[name].config.wheels, rng_wheels)
-        return _RobotState(DriveState(), wheels, first_odometry(), 0, rng_wheels, rng_laser)
+        odometry = first_odometry(self.models[name].config.wheels)
+        return _RobotState(DriveState(), wheels, odometry, 0, rng_wheels, rng_laser)
+
+
+def _mean_velocity(motion: SE2, dt: float) -> Velocity:
+    """Return the steady velocity in the base frame that leads to a motion within dt."""
+    c, s = math.cos(motion.yaw / 2.0), math.sin(motion.yaw / 2.0)
+    shrunk = dt * float(np.sinc(motion.yaw / (2.0 * np.pi)))
+    ahead, aside = c * motion.x + s * motion.y, c * motion.y - s * motion.x
+    return Velocity(ahead / shrunk, motion.yaw / dt, aside / shrunk)
 
 
 def _is_due(stamp_ns: int, period_s: float) -> bool:

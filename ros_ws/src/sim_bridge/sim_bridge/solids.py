@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sim_bridge.glass import Frame, Glass
 from sim_bridge.world import Color, Furniture, Wall, World
 
 _BOARD = 0.03
 _BOARD_GAP = 0.45
 _CIRCLE_POINTS = 48
+_GLASS_COLOR = (0.62, 0.82, 0.88)
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,7 @@ class Solid:
         is_round: True for a cylinder.
         color: RGB, 0..1.
         mass: kg; 0 = fixed.
+        glass: Its material if it is a pane, which lies along its x axis; None = opaque.
     """
 
     name: str
@@ -36,6 +39,7 @@ class Solid:
     is_round: bool
     color: Color
     mass: float = 0.0
+    glass: Glass | None = None
 
     def is_at_height(self, height: float) -> bool:
         """Tell whether a horizontal plane at this height (m) cuts the solid."""
@@ -64,6 +68,9 @@ def solids_of(world: World) -> list[Solid]:
     """Return every solid of a world, walls first, in the order of the file."""
     solids = [piece for wall in world.walls for piece in _wall_pieces(wall)]
     for box in world.boxes:
+        if box.glass is not None:
+            solids += _glass_case(box, box.glass)
+            continue
         pose = SE2(*box.center_m, math.radians(box.yaw_deg))
         solids.append(Solid(box.name, pose, box.size_m, 0.0, False, box.color, box.mass_kg))
     for table in world.tables:
@@ -93,17 +100,63 @@ def _wall_pieces(wall: Wall) -> list[Solid]:
     (x0, y0), (x1, y1) = wall.from_m, wall.to_m
     T_world_wall = SE2(x0, y0, math.atan2(y1 - y0, x1 - x0))
     # Half a thickness longer at both ends, so that walls meet in closed corners.
-    cuts = [-wall.thickness_m / 2.0]
+    beyond = wall.thickness_m / 2.0 if wall.glass is None else 0.0
+    cuts, pieces = [-beyond], []
     for door in sorted(wall.doors, key=lambda door: door.at_m):
         cuts += [door.at_m - door.width_m / 2.0, door.at_m + door.width_m / 2.0]
-    cuts.append(wall.length + wall.thickness_m / 2.0)
-    pieces = []
+        if door.glass is not None:
+            pieces += _glazed(T_world_wall, cuts[-2:], wall.height_m, door.glass, door.frame)
+    cuts.append(wall.length + beyond)
+    if wall.glass is not None:
+        for span in zip(cuts[::2], cuts[1::2], strict=True):
+            pieces += _glazed(T_world_wall, list(span), wall.height_m, wall.glass, wall.frame)
+        return pieces
     for start, end in zip(cuts[::2], cuts[1::2], strict=True):
         if end - start > 1e-9:
             pose = T_world_wall @ SE2((start + end) / 2.0, 0.0, 0.0)
             size = (end - start, wall.thickness_m, wall.height_m)
             pieces.append(Solid("wall", pose, size, 0.0, False, wall.color))
     return pieces
+
+
+def _glazed(
+    T_world_wall: SE2, span: list[float], height: float, glass: Glass, frame: Frame | None
+) -> list[Solid]:
+    """Return posts, rails and panes that fill a wall from span[0] to span[1] along its line."""
+    start, end = span
+    if end - start < 1e-9:
+        return []
+    frame_width, rail = (0.0, 0.0) if frame is None else (frame.width_m, frame.rail_m)
+    solids, posts = [], np.array([start, end])
+    if frame is not None:
+        step = frame.spacing_m or end - start
+        posts = np.append(np.arange(start, end - 1e-6 - frame.width_m, step), end)
+        parts = [(x, frame.width_m, 0.0, height) for x in posts]
+        low_and_high = (0.0, height - rail) if rail else ()
+        parts += [((start + end) / 2.0, end - start, z, rail) for z in low_and_high]
+        for x, length, bottom, tall in parts:
+            pose, size = T_world_wall @ SE2(float(x), 0.0, 0.0), (length, frame.depth_m, tall)
+            solids.append(Solid("frame", pose, size, bottom, False, frame.color))
+    for left, right in zip(posts[:-1], posts[1:], strict=True):
+        pose = T_world_wall @ SE2(float(left + right) / 2.0, 0.0, 0.0)
+        size = (float(right - left) - frame_width, glass.thickness_m, height - 2.0 * rail)
+        solids.append(Solid("glass", pose, size, rail, False, _GLASS_COLOR, glass=glass))
+    return solids
+
+
+def _glass_case(box: Furniture, glass: Glass) -> list[Solid]:
+    """Return the four panes of a box of glass; it has no top, which no planar sensor would see."""
+    T_world_box = SE2(*box.center_m, math.radians(box.yaw_deg))
+    length, width, height = box.size_m
+    x, y = (length - glass.thickness_m) / 2.0, (width - glass.thickness_m) / 2.0
+    quarter = math.pi / 2.0
+    sides = [(SE2(0.0, s * y, 0.0), length) for s in (-1.0, 1.0)]
+    sides += [(SE2(s * x, 0.0, quarter), width) for s in (-1.0, 1.0)]
+    return [
+        Solid(box.name, T_world_box @ side, (long, glass.thickness_m, height), 0.0, False,
+              _GLASS_COLOR, glass=glass)
+        for side, long in sides
+    ]  # fmt: skip
 
 
 _Part = tuple[float, float, float, tuple[float, float, float]]  # x, y, bottom, size

@@ -1,4 +1,4 @@
-"""Two wheels on a floor: where they slip, what their encoders count, what odometry makes of it.
+"""Wheels on a floor: where they slip, what their encoders count, what odometry makes of it.
 
 The encoders count how far a wheel turned; slip and the true radius decide how far the robot came.
 Odometry knows only the counts, the believed radius and the track, so it drifts for the reasons a
@@ -19,7 +19,7 @@ from sim_bridge.drive import STOP, Velocity
 
 @dataclass(frozen=True)
 class WheelState:
-    """Both wheels, shape (2,) each: left, right.
+    """All wheels, shape (K,) each: left, right, or those of `bearings_deg`.
 
     Attributes:
         turned: How far each has turned, rad.
@@ -40,7 +40,7 @@ class OdometryState:
         pose: `T_odom_base`.
         velocity: Over the last interval.
         cov: Covariance of (x, y, yaw) in the odom frame, (3, 3).
-        ticks: Encoder counts (or rad, if exact) at the last update, shape (2,).
+        ticks: Encoder counts (or rad, if exact) at the last update, shape (K,).
     """
 
     pose: SE2
@@ -51,13 +51,44 @@ class OdometryState:
 
 def first_wheel_state(config: WheelConfig, rng: np.random.Generator) -> WheelState:
     """Return wheels at rest with the radius errors of this run."""
-    errors = config.radius_error_sd * rng.standard_normal(2)
-    return WheelState(np.zeros(2), config.slip_sd * rng.standard_normal(2), errors)
+    num = num_wheels(config)
+    errors = config.radius_error_sd * rng.standard_normal(num)
+    return WheelState(np.zeros(num), config.slip_sd * rng.standard_normal(num), errors)
 
 
-def first_odometry() -> OdometryState:
+def first_odometry(config: WheelConfig) -> OdometryState:
     """Return odometry at its origin."""
-    return OdometryState(SE2.identity(), STOP, np.zeros((3, 3)), np.zeros(2))
+    return OdometryState(SE2.identity(), STOP, np.zeros((3, 3)), np.zeros(num_wheels(config)))
+
+
+def num_wheels(config: WheelConfig) -> int:
+    """Return how many wheels are driven."""
+    return len(config.bearings_deg) or 2
+
+
+def wheel_speeds(config: WheelConfig, base: Velocity) -> np.ndarray:
+    """Return how fast each wheel's rim runs at a velocity of the base, shape (K,), m/s."""
+    if config.bearings_deg:
+        return _omni_matrix(config) @ (base.speed, base.side_speed, base.yaw_rate)
+    return base.speed + np.array([-0.5, 0.5]) * config.track_m * base.yaw_rate
+
+
+def base_velocity(config: WheelConfig, speeds: np.ndarray) -> Velocity:
+    """Return the base's velocity from its wheels' (also lengths: the motion from the travel).
+
+    Four and more omnidirectional wheels can contradict each other: least squares then.
+    """
+    if config.bearings_deg:
+        x, y, yaw = np.linalg.pinv(_omni_matrix(config)) @ speeds
+        return Velocity(float(x), float(yaw), float(y))
+    left, right = speeds
+    return Velocity(float(speeds.mean()), float(right - left) / config.track_m)
+
+
+def _omni_matrix(config: WheelConfig) -> np.ndarray:
+    bearings = np.radians(config.bearings_deg)
+    turn = np.full(len(bearings), config.mount_radius_m)
+    return np.column_stack((-np.sin(bearings), np.cos(bearings), turn))
 
 
 def wheels_step(
@@ -79,17 +110,16 @@ def wheels_step(
     Returns:
         The wheels after the step, and the velocity that the floor gives the robot.
     """
-    surface_speed = drive.speed + np.array([-0.5, 0.5]) * config.track_m * drive.yaw_rate
+    surface_speed = wheel_speeds(config, drive)
     keep = math.exp(-dt / config.slip_time_s)
     fresh = config.slip_sd * math.sqrt(1.0 - keep**2)
-    slip = keep * state.slip + fresh * rng.standard_normal(2)
+    slip = keep * state.slip + fresh * rng.standard_normal(len(state.slip))
     lost = np.clip(config.slip_mean + slip, -0.5, 0.95)
     if config.slip_mean == 0.0 and config.slip_sd == 0.0:
-        lost = np.zeros(2)
+        lost = np.zeros_like(slip)
     ground = surface_speed * (1.0 + state.radius_error) * (1.0 - lost)
     moved = replace(state, turned=state.turned + surface_speed / config.radius_m * dt, slip=slip)
-    yaw_rate = float(ground[1] - ground[0]) / config.track_m
-    return moved, Velocity(float(ground.mean()), yaw_rate)
+    return moved, base_velocity(config, ground)
 
 
 def odometry_step(
@@ -101,32 +131,37 @@ def odometry_step(
         wheels: Believed radius and track, encoder ticks.
         config: The uncertainty to claim.
         state: At the last update.
-        turned: How far each wheel has turned since the start, (2,), rad.
+        turned: How far each wheel has turned since the start, (K,), rad.
         dt: Time since the last update, s.
     """
     per_turn = wheels.ticks_per_turn
     ticks = np.floor(turned / (2.0 * np.pi) * per_turn) if per_turn else turned
     unit = 2.0 * np.pi / per_turn if per_turn else 1.0
-    left, right = (ticks - state.ticks) * unit * wheels.radius_m
-    travel, turn = float(left + right) / 2.0, float(right - left) / wheels.track_m
+    moved = base_velocity(wheels, (ticks - state.ticks) * unit * wheels.radius_m)
+    ahead, aside, turn = moved.speed, moved.side_speed, moved.yaw_rate
     # Exact for constant wheel speeds: the chord of the arc, along its middle direction.
-    chord = travel * float(np.sinc(turn / (2.0 * np.pi)))
+    shrunk = float(np.sinc(turn / (2.0 * np.pi)))
     middle = state.pose.yaw + turn / 2.0
+    c, s = math.cos(middle), math.sin(middle)
     pose = SE2(
-        state.pose.x + chord * math.cos(middle),
-        state.pose.y + chord * math.sin(middle),
+        state.pose.x + shrunk * (ahead * c - aside * s),
+        state.pose.y + shrunk * (ahead * s + aside * c),
         state.pose.yaw + turn,
     )
-    cov = _grown_cov(config, state.cov, middle, travel, turn)
-    return OdometryState(pose, Velocity(travel / dt, turn / dt), cov, ticks)
+    cov = _grown_cov(config, state.cov, middle, moved, bool(wheels.bearings_deg))
+    return OdometryState(pose, Velocity(ahead / dt, turn / dt, aside / dt), cov, ticks)
 
 
 def _grown_cov(
-    config: OdometryConfig, cov: np.ndarray, yaw: float, travel: float, turn: float
+    config: OdometryConfig, cov: np.ndarray, yaw: float, moved: Velocity, is_omni: bool
 ) -> np.ndarray:
+    """Return the covariance after a motion; only an omnidirectional base may slide sideways."""
     c, s = math.cos(yaw), math.sin(yaw)
-    F = np.array([[1.0, 0.0, -travel * s], [0.0, 1.0, travel * c], [0.0, 0.0, 1.0]])
-    G = np.array([[c, 0.0], [s, 0.0], [0.0, 1.0]])
-    var_travel = config.distance_sd**2 * abs(travel)
-    var_turn = config.yaw_sd_per_m**2 * abs(travel) + config.yaw_sd_per_rad**2 * abs(turn)
-    return np.asarray(F @ cov @ F.T + G @ np.diag([var_travel, var_turn]) @ G.T)
+    dx, dy = moved.speed * c - moved.side_speed * s, moved.speed * s + moved.side_speed * c
+    F = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
+    G = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    travel = math.hypot(moved.speed, moved.side_speed)
+    var_travel = config.distance_sd**2 * travel
+    var_turn = config.yaw_sd_per_m**2 * travel + config.yaw_sd_per_rad**2 * abs(moved.yaw_rate)
+    Q = np.diag([var_travel, var_travel if is_omni else 0.0, var_turn])
+    return np.asarray(F @ cov @ F.T + G @ Q @ G.T)

@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from floornav_common.se2 import SE2
+from sim_bridge.glass import Frame, Glass
+from sim_bridge.measures import Measure
 from sim_bridge.schema import WorldError, build, load_yaml
 
 Point = tuple[float, float]
@@ -22,15 +24,23 @@ Color = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Door:
-    """An opening in a wall; `at_m` is its middle, measured from the wall's start."""
+    """An opening in a wall; `at_m` is its middle, measured from the wall's start.
+
+    With `glass` it is closed by a pane, in a `frame` if one is given.
+    """
 
     at_m: float
     width_m: float = 0.95
+    glass: Glass | None = None
+    frame: Frame | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wall:
-    """A straight upright wall along its middle line, with openings."""
+    """A straight upright wall along its middle line, with openings.
+
+    With `glass` it is a row of panes, as thick as the glass, in a `frame` if one is given.
+    """
 
     from_m: Point
     to_m: Point
@@ -38,11 +48,18 @@ class Wall:
     height_m: float = 2.4
     color: Color = (0.87, 0.85, 0.80)
     doors: tuple[Door, ...] = ()
+    glass: Glass | None = None
+    frame: Frame | None = None
 
     def __post_init__(self) -> None:
         if self.length < 1e-6:
             raise ValueError(f"the wall at {list(self.from_m)} has zero length")
         _require_positive(thickness_m=self.thickness_m, height_m=self.height_m)
+        for part in (self, *self.doors):
+            if part.frame is not None and part.glass is None:
+                raise ValueError("a frame needs glass in it")
+            if part.frame is not None and 2.0 * part.frame.rail_m >= self.height_m:
+                raise ValueError("the rails of the frame leave no glass")
         end = 0.0
         for door in sorted(self.doors, key=lambda door: door.at_m):
             _require_positive(width_m=door.width_m)
@@ -58,7 +75,10 @@ class Wall:
 
 @dataclass(frozen=True, kw_only=True)
 class Furniture:
-    """A box, table (top on four legs) or shelf (open to its +x side): one bounding box each."""
+    """A box, table (top on four legs) or shelf (open to its +x side): one bounding box each.
+
+    A box may be of `glass`: a case of four panes, such as a showcase.
+    """
 
     name: str
     center_m: Point
@@ -66,6 +86,7 @@ class Furniture:
     yaw_deg: float = 0.0
     mass_kg: float = 0.0
     color: Color = (0.72, 0.53, 0.35)
+    glass: Glass | None = None
 
     def __post_init__(self) -> None:
         _require_positive(**{f"size_m[{k}]": value for k, value in enumerate(self.size_m)})

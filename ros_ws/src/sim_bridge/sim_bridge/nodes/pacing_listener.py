@@ -1,4 +1,4 @@
-"""Hears the topics that simulated time waits for, whatever their types."""
+"""Hears the topics that simulated time waits for, whatever their types, and finds who listens."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from typing import Any
 from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import SENSOR_QOS
+from floornav_common.time_watch import Throttle
 from sim_bridge.config import SimBridgeConfig
-from sim_bridge.pacing import Pace
+from sim_bridge.pacing import Audience, Pace
 
 _LOOK_PERIOD_S = 0.5
+_SETTLE_S = 1.0
+_WARN_PERIOD_NS = 5_000_000_000
+_NOT_FOR_US = ("/rosout", "/parameter_events", "/diagnostics")
 
 
 class PacingListener:
-    """Feeds a `Pace` from topics as their publishers appear.
+    """Feeds an `Audience` from the graph and a `Pace` from topics as their publishers appear.
 
     Args:
         node: The node.
@@ -31,12 +35,17 @@ class PacingListener:
         self._node, self._stamp_ns = node, stamp_ns
         self._pace = Pace(config.pace_topics, config.pace_lag_s, config.pace_timeout_s)
         self._unknown = {topic: node.resolve_topic_name(topic) for topic in config.pace_topics}
+        self._audience = self._make_audience(config)
+        self._warnings = Throttle(_WARN_PERIOD_NS)
+        self._next_look = 0.0
         if self._unknown:
             clock = node.time.steady_clock
             self._timer = node.create_timer(_LOOK_PERIOD_S, self._look, clock=clock)
 
     def may_go_on(self, now: float) -> bool:
         """Tell whether time may go on, at a steady time (s)."""
+        if self._audience is not None and not self._is_audience_there(self._audience, now):
+            return False
         stamp_ns = self._stamp_ns()
         for topic in self._pace.give_up(stamp_ns, now):
             self._node.get_logger().warning(f"{topic} does not answer: going on without it")
@@ -45,6 +54,30 @@ class PacingListener:
     def restart(self) -> None:
         """Forget all answers."""
         self._pace.restart()
+
+    def _make_audience(self, config: SimBridgeConfig) -> Audience | None:
+        namespace = self._node.get_namespace().rstrip("/")
+        names = [n if n.startswith("/") else f"{namespace}/{n}" for n in config.start_nodes]
+        return Audience(names, _SETTLE_S) if names else None
+
+    def _is_audience_there(self, audience: Audience, now: float) -> bool:
+        if now < self._next_look:
+            return False
+        self._next_look = now + _LOOK_PERIOD_S / 5
+        names, num_known, num_matched = set(), 0, 0
+        for publisher in self._node.publishers:
+            if publisher.topic_name not in _NOT_FOR_US:
+                infos = self._node.get_subscriptions_info_by_topic(publisher.topic_name)
+                names |= {f"{i.node_namespace.rstrip('/')}/{i.node_name}" for i in infos}
+                num_known += len(infos)
+                num_matched += publisher.get_subscription_count()
+        if audience.is_there(now, names, num_known, num_matched):
+            self._audience = None
+            return True
+        if audience.missing and self._warnings.is_due(round(now * 1e9)):
+            text = f"time waits for {', '.join(audience.missing)} to listen"
+            self._node.get_logger().info(text)
+        return False
 
     def _look(self) -> None:
         types = dict(self._node.get_topic_names_and_types())
