@@ -1,0 +1,113 @@
+"""The reference of all parameters, written from the configuration dataclasses."""
+
+from __future__ import annotations
+
+import functools
+import typing
+from collections.abc import Iterator
+from dataclasses import MISSING, Field
+
+from floornav_common.config import range_text
+from floornav_common.config_files import parameter_fields
+from floornav_common.frames import FrameConfig
+from floornav_common.ros.node import ProcessConfig
+from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
+from sim_bridge.config import (
+    DriveConfig,
+    LaserConfig,
+    OdometryConfig,
+    RouteConfig,
+    SimBridgeConfig,
+    WheelConfig,
+)
+
+NODES: dict[str, tuple[type, ...]] = {
+    "grid_mapper grid_mapper": (
+        GridMapperNodeConfig, GridMapperConfig, FrameConfig, ProcessConfig,
+    ),
+    "sim_bridge sim_bridge": (SimBridgeConfig, FrameConfig, ProcessConfig),
+    "sim_bridge route_follower": (RouteConfig, ProcessConfig),
+}  # fmt: skip
+"""Every node, as `ros2 run` names it, and what it declares."""
+
+ROBOT_FILE: dict[str, type] = {
+    "drive": DriveConfig, "wheels": WheelConfig, "odometry": OdometryConfig, "laser": LaserConfig,
+}  # fmt: skip
+"""The groups of a robot file; a world's `overrides` changes single keys of them."""
+
+HEAD = """\
+# Parameters
+
+Written by `python3 scripts/make_docs.py parameters` from the dataclasses that the nodes read; do
+not edit by hand.
+
+Set one with `-p NAME:=VALUE` after `--ros-args`, or all from a file with `--params-file FILE`. A
+name that a node does not know, and a value out of range, stop it at the start with one line that
+says so (exit code 2). An integer does for a number with decimals. What is not marked *fixed* can
+be changed while the node runs (`ros2 param set`).
+
+`scripts/map_bag.py --config FILE` takes the mapper's and the frames' parameters from such a file,
+and refuses the others.
+
+Every node also takes `use_sim_time` and, for each of its topics, the standard quality-of-service
+overrides `qos_overrides.<topic>.<publisher or subscription>.<policy>`, where the policy is
+`history`, `depth`, `reliability` or `durability`.
+"""
+TABLE_HEAD = (
+    "| name | default | unit | range | | meaning |\n| --- | --- | --- | --- | --- | --- |\n"
+)
+
+
+def parameter_page() -> str:
+    """Return the text of docs/parameters.md."""
+    parts = [HEAD]
+    for node, classes in NODES.items():
+        parts.append(f"## `{node}`\n")
+        parts.extend(f"{_title(c)}\n\n{_table(c)}" for c in classes)
+    parts.append("## Robot files\n")
+    parts.append(
+        "Not parameters but keys of `ros_ws/src/sim_bridge/sim_bridge/robots/*.yaml`, and of"
+        " `overrides` in a world file.\n"
+    )
+    parts.extend(f"{_title(c)}\n\n{_table(c, group)}" for group, c in ROBOT_FILE.items())
+    return "\n".join(parts)
+
+
+def documented_names(node: str) -> set[str]:
+    """Return the names of the parameters that the page lists for a node."""
+    return {name for c in NODES[node] for name in parameter_fields(c)}
+
+
+def _title(config_class: type) -> str:
+    return "### " + (config_class.__doc__ or "").strip().splitlines()[0].rstrip(".")
+
+
+def _table(config_class: type, group: str = "") -> str:
+    return TABLE_HEAD + "".join(
+        f"| {' | '.join(cells)} |\n" for cells in _rows(config_class, group)
+    )
+
+
+def _rows(config_class: type, group: str) -> Iterator[list[str]]:
+    for name, (field, _) in parameter_fields(config_class, group).items():
+        own = name.removeprefix(f"{group}.") if group else name
+        default = functools.reduce(getattr, own.split("."), config_class())
+        yield [
+            f"`{name}`", f"`{_as_yaml(default)}`", field.metadata.get("unit") or "",
+            range_text(field), "fixed" if field.metadata.get("read_only") else "", _doc(field),
+        ]  # fmt: skip
+
+
+def _doc(field: Field[typing.Any]) -> str:
+    assert field.default is not MISSING
+    return str(field.metadata["doc"]).replace("|", "\\|")
+
+
+def _as_yaml(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_as_yaml(v) for v in value) + "]"
+    if isinstance(value, float):
+        return f"{value:.6g}" if value != int(value) else f"{value:.1f}"
+    return '""' if value == "" else str(value)

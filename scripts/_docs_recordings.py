@@ -1,0 +1,185 @@
+"""Maps of the recordings for docs/: their pictures, and the table of their figures."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from _docs_pictures import write_small
+from floornav_common.reporting import say, write_atomic
+from floornav_common.se2 import SE2
+from grid_mapper.recordings import ScanEvent, open_recording
+from grid_mapper.recordings.ordering import seconds_to_ns
+from grid_mapper.recordings.text_lines import read_lines
+from grid_mapper.relations import load_relations, relation_errors
+from grid_mapper.trajectory_metrics import Trajectory, load_tum, path_length, trajectory_errors
+
+MAP_BAG = Path(__file__).resolve().parent / "map_bag.py"
+LONG_NS = 60_000_000_000
+MARK = "<!-- {what} {name}: made by scripts/make_docs.py recordings -->"
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A recording that the docs show.
+
+    Attributes:
+        name: Name of the picture and of the row.
+        path: Below the folder of the recordings.
+        options: Further words of the command line.
+        relations: File of known relations; "" for none.
+        offset_s: Added to the trajectory's stamps to compare them.
+        tolerance_s: How far a relation's stamp may be from a pose.
+    """
+
+    name: str
+    path: str
+    options: tuple[str, ...] = ()
+    relations: str = ""
+    offset_s: float = 0.0
+    tolerance_s: float = 0.002
+
+
+SHOWN = (
+    Shown("intel-lab", "intel-lab/intel_keyframes_rawodom_corrected.log.gz",
+          relations="intel-lab/intel.relations.gz"),
+    Shown("fr079", "fr079/fr079_corrected.log.gz", ("--no-odom",),
+          relations="fr079/fr079.relations.gz", offset_s=1211.45, tolerance_s=0.1),
+    Shown("wean-hall-1", "wean-hall/robotdata1.log.gz"),
+    Shown("wean-hall-4", "wean-hall/robotdata4.log.gz"),
+    Shown("mines-rover", "mines-rover/exp1.dat.gz"),
+    Shown("olin_mac_floor1", "rosbag2/olin_mac_floor1"),
+    Shown("pioneer_trace0", "rosbag2/pioneer_trace0"),
+    Shown("neato_wall_follower", "rosbag2/neato_wall_follower"),
+    Shown("neato_drive_square", "rosbag2/neato_drive_square"),
+)  # fmt: skip
+
+RUN_HEAD = (
+    "| recording | scans | mapped | not trusted | way, m | way by odometry, m |"
+    " ms a scan: median | p99 | memory, MB |\n" + "| --- " * 9 + "|\n"
+)
+RELATION_HEAD = (
+    "| recording: poses | relations matched | of them over a minute apart |"
+    " translation, m: mean | median | deviation | rotation, deg: mean | median | deviation |"
+    " distance to published poses, m RMS |\n" + "| --- " * 10 + "|\n"
+)
+
+
+def make_recordings(docs: Path, data: Path) -> None:
+    """Map every recording that is there; write its picture and its rows."""
+    runs: dict[str, str] = {}
+    relations: dict[str, str] = {}
+    for shown in SHOWN:
+        if not (data / shown.path).exists():
+            say(f"passed over, not there: {data / shown.path}")
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "map"
+            summary = map_recording(shown, data, out)
+            write_small(out / "map.png", docs / "pictures" / f"{shown.name}.png")
+            runs[shown.name] = _run_row(shown, data, summary)
+            if shown.relations:
+                relations |= _relation_rows(shown, data, out)
+    page = docs / "recordings.md"
+    text = page.read_text(encoding="utf-8")
+    text = with_table(text, "runs", RUN_HEAD, runs)
+    write_atomic(page, with_table(text, "relations", RELATION_HEAD, relations))
+    say(f"written: {page}")
+
+
+def map_recording(shown: Shown, data: Path, out: Path) -> dict[str, Any]:
+    """Run the mapping command as a user does; return its summary."""
+    words = [sys.executable, str(MAP_BAG), str(data / shown.path), *shown.options]
+    if shown.relations:
+        words += ["--relations", str(data / shown.relations)]
+        words += ["--relations-offset", str(shown.offset_s)]
+        words += ["--relations-tol", str(shown.tolerance_s)]
+    say(f"mapping {shown.name} ...")
+    subprocess.run([*words, "--quiet", "--out", str(out)], check=True)
+    summary: dict[str, Any] = json.loads((out / "summary.json").read_text())
+    return summary
+
+
+def with_table(text: str, name: str, head: str, rows: dict[str, str]) -> str:
+    """Return the page with new rows in the table between its two marks; others stay.
+
+    Raises:
+        ValueError: If the marks are not there.
+    """
+    begin, end = (MARK.format(what=what, name=name) for what in ("begin", "end"))
+    before, found, rest = text.partition(begin)
+    old, closed, after = rest.partition(end)
+    if not (found and closed):
+        raise ValueError(f"the page lacks the line {begin} or {end}")
+    kept = {line.split("|")[1].strip(): line for line in old.splitlines()[3:] if "|" in line}
+    return f"{before}{begin}\n{head}" + "\n".join((kept | rows).values()) + f"\n{end}{after}"
+
+
+def _run_row(shown: Shown, data: Path, s: dict[str, Any]) -> str:
+    odometry = (
+        "-" if "--no-odom" in shown.options else f"{path_length(_odometry(data / shown.path)):.1f}"
+    )
+    cells = [
+        shown.name, s["scans"], s["scans_used"], s["scans_untrusted"], f"{s['path_m']:.1f}",
+        odometry, f"{s['ms_median']:.2f}", f"{s['ms_p99']:.1f}", f"{s['peak_mb']:.0f}",
+    ]  # fmt: skip
+    return _row(cells)
+
+
+def _relation_rows(shown: Shown, data: Path, out: Path) -> dict[str, str]:
+    """Return the rows of a recording: ours, its odometry's, and the published poses'."""
+    published = _published_poses(data / shown.path)
+    trajectories: dict[str, Trajectory] = {"grid_mapper": load_tum(out / "trajectory.tum")}
+    if "--no-odom" not in shown.options:
+        trajectories["raw odometry"] = _odometry(data / shown.path)
+    trajectories["published, corrected"] = published
+    rows = {}
+    for poses, trajectory in trajectories.items():
+        ate = f"{trajectory_errors(trajectory, published).ate:.2f}"
+        cells = [*_relation_cells(shown, data, trajectory), "-" if trajectory is published else ate]
+        key = f"{shown.name}: {poses}"
+        rows[key] = _row([key, *cells])
+    return rows
+
+
+def _relation_cells(shown: Shown, data: Path, trajectory: Trajectory) -> list[str]:
+    known = load_relations(data / shown.relations)
+    errors = relation_errors(
+        trajectory, known, round(shown.tolerance_s * 1e9), round(shown.offset_s * 1e9)
+    )
+    num_long = sum(abs(r.stamp2_ns - r.stamp1_ns) > LONG_NS for r in errors.relations)
+    used = f"{len(errors.relations)} of {errors.num_total}"
+    statistics = [
+        f"{measure(values):{form}}"
+        for values, form in ((errors.translations, ".3f"), (np.degrees(errors.rotations), ".2f"))
+        for measure in (np.mean, np.median, np.std)
+    ]
+    return [used, str(num_long), *statistics]
+
+
+def _odometry(path: Path) -> list[tuple[int, SE2]]:
+    events = (e for e in open_recording(path).events() if isinstance(e, ScanEvent))
+    return [(e.stamp_ns, e.T_odom_base) for e in events if e.T_odom_base is not None]
+
+
+def _published_poses(path: Path) -> list[tuple[int, SE2]]:
+    """Return the corrected pose of each FLASER line: the first after its ranges."""
+    poses = []
+    for line in read_lines(path, say):
+        words = line.split()
+        if words and words[0] == "FLASER":
+            after = words[2 + int(words[1]) :]
+            poses.append((seconds_to_ns(after[6]), SE2(*(float(w) for w in after[:3]))))
+    return poses
+
+
+def _row(cells: Sequence[object]) -> str:
+    return "| " + " | ".join(str(cell) for cell in cells) + " |"
