@@ -6,26 +6,24 @@ and height and tilt are put back. A robot against a wall stands while its wheels
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import os
-import sys
 from typing import Any
 
 import numpy as np
 
 from floornav_common.se2 import SE2
 from sim_bridge.drive import Velocity
+from sim_bridge.engine import PybulletMissingError, connect, require_pybullet
+from sim_bridge.rays import Hits, cast_rays, hits_of, shares_of
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.solids import Solid
 
+__all__ = ["Physics", "PybulletMissingError", "require_pybullet"]
+
 _SCENERY_GROUP = 1
+_GLASS_GROUP = 2
 _ALL_GROUPS = 0x3FFFFFFF
 _FLOOR_HALF_EDGE = 50.0
-
-
-class PybulletMissingError(RuntimeError):
-    """Pybullet is not installed; the text is one line for the user."""
 
 
 class Physics:
@@ -46,9 +44,12 @@ class Physics:
         *,
         has_window: bool = False,
     ) -> None:
-        self._engine, self._client = _connect(has_window)
+        self._engine, self._client = connect(has_window)
         self._bodies: dict[str, int] = {}
         self._groups: dict[str, int] = {}
+        self._panes: list[int] = []
+        # The engine's own renderer knows only opaque and absent; its window can blend.
+        self._glass_alpha = 0.3 if has_window else 0.0
         self._floor = self._add_solid(_floor())
         for solid in solids:
             self._add_solid(solid)
@@ -95,28 +96,36 @@ class Physics:
         return any(c[2] != self._floor and c[8] <= 1e-4 for c in contacts)
 
     def cast(self, name: str, T_base_sensor: np.ndarray, rays_sensor: np.ndarray) -> np.ndarray:
-        """Return how far rays of a robot's sensor reach, in shares of their length.
+        """Return how far light rays of a robot's sensor reach, in shares of their length.
 
         Args:
-            name: The robot; its own body does not stop its rays.
+            name: The robot; its own body does not stop its rays, nor does glass.
             T_base_sensor: Pose of the sensor on the robot, (4, 4).
             rays_sensor: End of each ray in the sensor frame, shape (N, 3), m.
 
         Returns:
             Shape (N,): 0..1 where something is hit, inf where nothing is.
         """
+        T = self.sensor_pose(name, T_base_sensor)
+        ends = rays_sensor @ T[:3, :3].T + T[:3, 3]
+        starts = np.broadcast_to(T[:3, 3], ends.shape)
+        mask = _ALL_GROUPS & ~self._groups[name] & ~_GLASS_GROUP
+        return shares_of(cast_rays(self._engine, self._client, starts, ends, mask))
+
+    def cast_sound(self, name: str, starts: np.ndarray, ends: np.ndarray) -> Hits:
+        """Return where rays of sound end, from and to points in the world, (N, 3) each, m.
+
+        Glass stops them; the robot that sends them does not.
+        """
+        mask = _ALL_GROUPS & ~self._groups[name]
+        return hits_of(cast_rays(self._engine, self._client, starts, ends, mask))
+
+    def sensor_pose(self, name: str, T_base_sensor: np.ndarray) -> np.ndarray:
+        """Return `T_world_sensor`, (4, 4)."""
         pose = self.pose(name)
         c, s = math.cos(pose.yaw), math.sin(pose.yaw)
         T_world_base = np.array([[c, -s, 0, pose.x], [s, c, 0, pose.y], [0, 0, 1, 0], [0, 0, 0, 1]])
-        T = T_world_base @ T_base_sensor
-        ends = rays_sensor @ T[:3, :3].T + T[:3, 3]
-        hits = self._engine.rayTestBatch(
-            [T[:3, 3].tolist()] * len(ends),
-            ends.tolist(),
-            collisionFilterMask=_ALL_GROUPS & ~self._groups[name],
-            physicsClientId=self._client,
-        )
-        return np.array([hit[2] if hit[0] >= 0 else math.inf for hit in hits])
+        return np.asarray(T_world_base @ T_base_sensor)
 
     def picture(
         self,
@@ -124,6 +133,8 @@ class Physics:
         target: tuple[float, float, float],
         size: tuple[int, int],
         fov_deg: float = 50.0,
+        *,
+        has_glass: bool = False,
     ) -> np.ndarray:
         """Return a picture of everything from a point, shape (height, width, 3), RGB uint8.
 
@@ -132,7 +143,9 @@ class Physics:
             target: Where it looks, m.
             size: (width, height), pixels.
             fov_deg: Vertical field of view.
+            has_glass: True paints panes over what is behind them; False leaves them out.
         """
+        self._paint_panes(1.0 if has_glass else self._glass_alpha)
         engine, (width, height) = self._engine, size
         view = engine.computeViewMatrix(eye, target, [0.0, 1.0, 0.0])
         lens = engine.computeProjectionMatrixFOV(fov_deg, width / height, 0.1, 100.0)
@@ -141,6 +154,13 @@ class Physics:
             renderer=engine.ER_TINY_RENDERER, physicsClientId=self._client,
         )[2]  # fmt: skip
         return np.reshape(np.asarray(image, dtype=np.uint8), (height, width, 4))[:, :, :3]
+
+    def _paint_panes(self, alpha: float) -> None:
+        for body in self._panes:
+            color = self._engine.getVisualShapeData(body, physicsClientId=self._client)[0][7]
+            self._engine.changeVisualShape(
+                body, -1, rgbaColor=[*color[:3], alpha], physicsClientId=self._client
+            )
 
     def _set_velocity(self, name: str, velocity: Velocity) -> None:
         # Along the middle direction of the step, with the chord of the arc: no curve is cut.
@@ -175,13 +195,19 @@ class Physics:
             solid.mass,
             engine.createCollisionShape(kind, **shape, **lengths[0], physicsClientId=client),
             engine.createVisualShape(
-                kind, rgbaColor=[*solid.color, 1.0], **shape, **lengths[1], physicsClientId=client
+                kind,
+                rgbaColor=[*solid.color, 1.0 if solid.glass is None else self._glass_alpha],
+                **shape,
+                **lengths[1],
+                physicsClientId=client,
             ),
             [solid.pose.x, solid.pose.y, solid.bottom + half[2]],
             [0.0, 0.0, math.sin(solid.pose.yaw / 2.0), math.cos(solid.pose.yaw / 2.0)],
             physicsClientId=client,
         )
-        self._set_group(body, _SCENERY_GROUP)
+        self._set_group(body, _SCENERY_GROUP if solid.glass is None else _GLASS_GROUP)
+        if solid.glass is not None:
+            self._panes.append(body)
         return body
 
     def _add_robot(self, name: str, model: RobotModel, pose: SE2) -> None:
@@ -212,39 +238,3 @@ class Physics:
 def _floor() -> Solid:
     edge = 2.0 * _FLOOR_HALF_EDGE
     return Solid("floor", SE2.identity(), (edge, edge, 0.1), -0.1, False, (0.62, 0.60, 0.56), 0.0)
-
-
-def require_pybullet() -> None:
-    """Check that a world can be simulated here.
-
-    Raises:
-        PybulletMissingError: Pybullet is not installed.
-    """
-    if importlib.util.find_spec("pybullet") is None:
-        raise PybulletMissingError(
-            "sim_bridge needs pybullet, which has a ready wheel for Python 3.11 only: "
-            "use Python 3.11, or build it (see the README of sim_bridge)"
-        )
-
-
-def _import_quietly() -> Any:
-    """Import pybullet without the line that its C code writes to stderr."""
-    sys.stderr.flush()
-    kept, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(null, 2)
-    try:
-        import pybullet
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(null)
-    return pybullet
-
-
-def _connect(has_window: bool) -> tuple[Any, int]:
-    require_pybullet()
-    pybullet = _import_quietly()
-    client = pybullet.connect(pybullet.GUI if has_window else pybullet.DIRECT)
-    if client < 0:
-        raise RuntimeError("pybullet could not open its window: is there a display?")
-    return pybullet, client

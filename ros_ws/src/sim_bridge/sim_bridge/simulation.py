@@ -142,7 +142,7 @@ class Simulation:
         )
         target = (float(middle[0]), float(middle[1]) + 0.03 * extent, 0.0)
         eye = (float(middle[0]), float(middle[1]) - 0.35 * extent, 1.45 * extent)
-        return self._physics.picture(eye, target, size)
+        return self._physics.picture(eye, target, size, has_glass=True)
 
     def step(self, commands: Mapping[str, Velocity]) -> Observations:
         """Go on by `STEP_NS`.

@@ -149,8 +149,12 @@ class World:
     columns: tuple[Column, ...] = ()
     robots: tuple[RobotPlacement, ...] = ()
     route: Route | None = None
+    measures: tuple[Measure, ...] = ()
 
     def __post_init__(self) -> None:
+        for item in (*self.tables, *self.shelves):
+            if item.glass is not None:
+                raise ValueError(f"{item.name!r} cannot be of glass: only walls, doors and boxes")
         names = [robot.name for robot in self.robots]
         for name in names:
             if names.count(name) > 1:
@@ -166,9 +170,15 @@ def world_names() -> list[str]:
 def load_world(name_or_path: str | Path) -> World:
     """Load a world of the package by name, or any YAML file by path.
 
+    `generated:SEED:GLASS_SHARE` is a floor made by `sim_bridge.generator`.
+
     Raises:
         WorldError: If there is none of that name or the file does not hold to the schema.
     """
+    if str(name_or_path).startswith("generated:"):
+        from sim_bridge.generator import generated_world
+
+        return generated_world(str(name_or_path))
     path = Path(name_or_path)
     if path.suffix not in (".yaml", ".yml"):
         if str(name_or_path) not in world_names():
