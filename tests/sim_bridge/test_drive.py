@@ -57,3 +57,40 @@ def test_refusal_names_what_is_wrong(command: Velocity, word: str) -> None:
 
 def test_a_command_somewhat_over_the_limit_is_not_refused() -> None:
     assert refusal(DriveConfig(), Velocity(3.0, 2.0)) == ""
+
+
+SOCCER = DriveConfig(
+    is_omnidirectional=True, max_speed_m_s=0.4, max_accel_m_s2=0.3, command_delay_s=0.0
+)
+
+
+def test_acceleration_vector_is_limited_as_in_equation_10() -> None:
+    """Eq. 10 by hand: from (0.4, 0) to (0, 0.3) is |dv| = 0.5 m/s, so t_a = 0.5 / 0.3 s."""
+    state = DriveState(Velocity(0.4, 0.0))
+    state = drive_step(SOCCER, state, Velocity(0.0, 0.0, 0.3), DT)
+    first = state.velocity
+    assert (first.speed - 0.4, first.side_speed) == pytest.approx((-0.0024, 0.0018))
+    for _ in range(165):
+        state = drive_step(SOCCER, state, Velocity(0.0, 0.0, 0.3), DT)
+    assert math.hypot(state.velocity.speed, state.velocity.side_speed - 0.3) == pytest.approx(0.002)
+    state = drive_step(SOCCER, state, Velocity(0.0, 0.0, 0.3), DT)
+    assert (state.velocity.speed, state.velocity.side_speed) == pytest.approx((0.0, 0.3))
+
+
+def test_work_of_the_limiter_is_that_of_a_constant_force() -> None:
+    """From rest the limit alpha acts over s = v^2 / (2 alpha), so alpha s is the energy gained."""
+    way = sum(v.side_speed for v in _run(SOCCER, Velocity(0.0, 0.0, 0.4), 133)) * DT
+    last = _run(SOCCER, Velocity(0.0, 0.0, 0.4), 133)[-1].side_speed
+    # Steps of DT take the speed at their end: half a step's gain more than the integral.
+    assert 0.3 * (way - last * DT / 2.0) == pytest.approx(last**2 / 2.0)
+
+
+def test_speed_vector_is_clipped_along_its_direction() -> None:
+    last = _run(SOCCER, Velocity(0.6, 0.0, 0.8), 400)[-1]
+    assert (last.speed, last.side_speed) == pytest.approx((0.24, 0.32))
+
+
+def test_a_differential_drive_ignores_sideways_commands() -> None:
+    last = _run(DriveConfig(command_delay_s=0.0), Velocity(0.5, 0.0, 0.5), 400)[-1]
+    assert (last.speed, last.side_speed) == (0.5, 0.0)
+    assert "linear.y" in refusal(DriveConfig(), Velocity(0.0, 0.0, math.nan))

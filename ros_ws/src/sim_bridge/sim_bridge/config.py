@@ -131,13 +131,27 @@ class LaserConfig:
 
     frame: str = param("laser", "Link of the robot's URDF that it sits on.")
     num_beams: int = param(541, "Beams a scan.", ge=2, le=16000)
-    fov_rad: float = param(4.71238898038469, "Angle of first to last beam.", gt=0.0, lt=6.2832)
+    fov_rad: float = param(
+        4.71238898038469, "Angle of first to last beam; a full turn leaves the repeated one out.",
+        unit="rad", gt=0.0, le=6.283186,
+    )  # fmt: skip
     period_s: float = param(0.1, "Time between scans.", unit="s", gt=0.0)
     range_min_m: float = param(0.05, "Nearer echoes are -inf.", unit="m", ge=0.0)
     range_max_m: float = param(10.0, "Farther echoes are +inf.", unit="m", gt=0.0)
     noise_sd_m: float = param(0.01, "Deviation of a range.", unit="m", ge=0.0)
+    noise_sd_share: float = param(0.0, "Deviation of a range, in shares of it, added.", ge=0.0)
     quantum_m: float = param(0.001, "Step of the ranges; 0 = exact.", unit="m", ge=0.0)
     dropout_share: float = param(0.002, "Share of beams that come back as NaN.", ge=0.0, le=1.0)
+    edge_share: float = param(
+        0.1, "Share of the beams beside an edge that measure between near and far.", ge=0.0, le=1.0
+    )
+    edge_depth_m: float = param(
+        0.5, "Deepest edge at which that happens: deeper ones give two pulses.", unit="m", ge=0.0
+    )
+    reach_factor: float = param(
+        1.5, "Distance over range_max_m at which an echo in the open drowns; glass shortens it.",
+        ge=1.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         validate(self)
