@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from sim_bridge.config import DriveConfig, LaserConfig, OdometryConfig, WheelConfig
 from sim_bridge.schema import WorldError, build, load_yaml
+from sim_bridge.sonar_config import SonarConfig
 from sim_bridge.world import RobotPlacement
 
 
@@ -27,6 +28,13 @@ class RobotFile:
     wheels: WheelConfig = WheelConfig()
     odometry: OdometryConfig = OdometryConfig()
     laser: LaserConfig | None = None
+    sonar: SonarConfig | None = None
+
+    @property
+    def sonar_frames(self) -> tuple[str, ...]:
+        """The links its sonars sit on, in the order of their numbers."""
+        sonar = self.sonar
+        return () if sonar is None else tuple(f"{sonar.frame}{k}" for k in range(sonar.count))
 
 
 @dataclass(frozen=True)
@@ -56,7 +64,7 @@ def load_robot(placement: RobotPlacement) -> RobotModel:
     """Load the robot that a world names, with the world's overrides.
 
     Raises:
-        WorldError: Unknown model, bad key, or a laser on a link that the URDF does not have.
+        WorldError: Unknown model, bad key, or a sensor on a link that the URDF does not have.
     """
     if placement.model not in robot_names():
         known = ", ".join(robot_names())
@@ -67,8 +75,10 @@ def load_robot(placement: RobotPlacement) -> RobotModel:
     urdf_path = folder / config.urdf
     urdf = urdf_path.read_text(encoding="utf-8")
     mounts = _fixed_mounts(urdf)
-    if config.laser is not None and config.laser.frame not in mounts:
-        raise WorldError(f"robot {placement.model}: no link {config.laser.frame!r} in its URDF")
+    lasers = () if config.laser is None else (config.laser.frame,)
+    for frame in (*lasers, *config.sonar_frames):
+        if frame not in mounts:
+            raise WorldError(f"robot {placement.model}: no link {frame!r} in its URDF")
     return RobotModel(config, urdf_path, urdf, mounts)
 
 

@@ -9,11 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sim_bridge.drive import DriveState, Velocity, drive_step, refusal
-from sim_bridge.laser import beam_directions, measure
+from sim_bridge.panes import panes_of
 from sim_bridge.physics import Physics
+from sim_bridge.ranging import RangeSensors, is_due
 from sim_bridge.robot_model import RobotModel, load_robot
 from sim_bridge.schema import WorldError
 from sim_bridge.solids import Solid, moved, solids_of
@@ -28,7 +30,6 @@ from sim_bridge.wheels import (
 from sim_bridge.world import World
 
 STEP_NS = 10_000_000
-_BEYOND = 1.05  # rays are this much longer than range_max, so that noise may bring echoes in
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class RobotObservation:
 
     Attributes:
         scan: A sweep taken at the end of the step.
+        sonar: One reading a sonar of those that fired together, NaN for the others.
         odometry: Dead reckoning at the end of the step.
         refused: Why the command of this step was refused; "" if it was not.
         ground_truth: For judges only; never part of a sensor message.
@@ -61,6 +63,7 @@ class RobotObservation:
     odometry: OdometryState | None
     refused: str
     ground_truth: GroundTruth
+    sonar: tuple[RangeReading, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,6 @@ class _RobotState:
     odometry: OdometryState
     odometry_ns: int
     rng_wheels: np.random.Generator
-    rng_laser: np.random.Generator
 
 
 class Simulation:
@@ -111,11 +113,7 @@ class Simulation:
             _require_free(name, model, self.starts[name], self.solids)
         robots = {name: (model, self.starts[name]) for name, model in self.models.items()}
         self._physics = Physics(self.solids, robots, STEP_NS * 1e-9, has_window=has_window)
-        self._rays = {
-            name: _BEYOND * model.config.laser.range_max_m * beam_directions(model.config.laser)
-            for name, model in self.models.items()
-            if model.config.laser is not None
-        }
+        self._panes = panes_of(self.solids)
         self._seed = seed
         self._states: dict[str, _RobotState] = {}
         self.stamp_ns = 0
@@ -127,6 +125,10 @@ class Simulation:
         self.stamp_ns = 0
         self._physics.reset()
         self._states = {name: self._first_state(name) for name in self.models}
+        self._ranging = {
+            name: RangeSensors(name, model, self._panes, STEP_NS, self._seed)
+            for name, model in self.models.items()
+        }
 
     def close(self) -> None:
         """Free the physics engine."""
@@ -172,24 +174,16 @@ class Simulation:
         pose, dt = self._physics.pose(name), STEP_NS * 1e-9
         velocity = _mean_velocity(before.between(pose), dt)
         return RobotObservation(
-            scan=self._scan(name),
+            scan=self._ranging[name].scan(self._physics, self.stamp_ns),
             odometry=self._odometry(name),
             refused="" if command is None else refusal(config.drive, command),
             ground_truth=GroundTruth(pose, velocity, self._physics.is_touching(name)),
+            sonar=self._ranging[name].sonar(self._physics, self.stamp_ns),
         )
-
-    def _scan(self, name: str) -> Scan | None:
-        model = self.models[name]
-        laser = model.config.laser
-        if laser is None or not _is_due(self.stamp_ns, laser.period_s):
-            return None
-        share = self._physics.cast(name, model.mounts[laser.frame], self._rays[name])
-        distances = share * _BEYOND * laser.range_max_m
-        return measure(laser, distances, self._states[name].rng_laser)
 
     def _odometry(self, name: str) -> OdometryState | None:
         config, state = self.models[name].config, self._states[name]
-        if not _is_due(self.stamp_ns, config.odometry.period_s):
+        if not is_due(self.stamp_ns, config.odometry.period_s, STEP_NS):
             return None
         dt = (self.stamp_ns - state.odometry_ns) * 1e-9
         state.odometry = odometry_step(
@@ -199,11 +193,11 @@ class Simulation:
         return state.odometry
 
     def _first_state(self, name: str) -> _RobotState:
-        streams = np.random.SeedSequence([self._seed, zlib.crc32(name.encode())]).spawn(2)
-        rng_wheels, rng_laser = (np.random.default_rng(stream) for stream in streams)
+        keys = np.random.SeedSequence([self._seed, zlib.crc32(name.encode())])
+        rng_wheels = np.random.default_rng(keys.spawn(1)[0])
         wheels = first_wheel_state(self.models[name].config.wheels, rng_wheels)
         odometry = first_odometry(self.models[name].config.wheels)
-        return _RobotState(DriveState(), wheels, odometry, 0, rng_wheels, rng_laser)
+        return _RobotState(DriveState(), wheels, odometry, 0, rng_wheels)
 
 
 def _mean_velocity(motion: SE2, dt: float) -> Velocity:
@@ -212,11 +206,6 @@ def _mean_velocity(motion: SE2, dt: float) -> Velocity:
     shrunk = dt * float(np.sinc(motion.yaw / (2.0 * np.pi)))
     ahead, aside = c * motion.x + s * motion.y, c * motion.y - s * motion.x
     return Velocity(ahead / shrunk, motion.yaw / dt, aside / shrunk)
-
-
-def _is_due(stamp_ns: int, period_s: float) -> bool:
-    period_ns = max(round(period_s * 1e9), STEP_NS)
-    return stamp_ns // period_ns != (stamp_ns - STEP_NS) // period_ns
 
 
 def _require_free(name: str, model: RobotModel, start: SE2, solids: list[Solid]) -> None:
