@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -15,6 +16,10 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 STORE.register(get_types_from_msg("uint8 left\nuint8 right\n", "robot_msgs/msg/Bump"))
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 NS = 1_000_000_000
+ROS1_STORE = get_typestore(Stores.ROS1_NOETIC)
+ROS1_STORE.register(
+    get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", "tf2_msgs/msg/TFMessage")
+)
 START_NS = 1_000 * NS
 NUM_BEAMS = 8
 MSG = "sensor_msgs/msg/LaserScan"
@@ -118,6 +123,42 @@ def write_bag(
             data = STORE.serialize_cdr(message, message.__msgtype__)
             writer.write(connections[topic], recorded_ns, data)
     return path
+
+
+def storage_file(bag: Path) -> Path:
+    """Return the storage file of a bag folder that has one."""
+    (file,) = (f for f in bag.iterdir() if f.suffix in (".db3", ".mcap", ".zstd"))
+    return file
+
+
+def write_ros1_bag(
+    path: Path, messages: Sequence[tuple[str, int, object]], compression: str = ""
+) -> Path:
+    """Write the same messages to a ROS 1 bag; `BZ2` or `LZ4` compresses its chunks."""
+    writer = Ros1Writer(path)
+    if compression:
+        writer.set_compression(Ros1Writer.CompressionFormat[compression])
+    with writer:
+        connections = {}
+        for topic, recorded_ns, message in messages:
+            content = as_ros1(message)
+            msgtype = content.__msgtype__
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, msgtype, typestore=ROS1_STORE)
+            data = ROS1_STORE.serialize_ros1(content, msgtype)
+            writer.write(connections[topic], recorded_ns, data)
+    return path
+
+
+def as_ros1(message):
+    """Return a ROS 2 message as the ROS 1 message of the same fields; its headers count none."""
+    if isinstance(message, list):
+        return [as_ros1(item) for item in message]
+    if not hasattr(message, "__msgtype__"):
+        return message
+    made = ROS1_STORE.types[message.__msgtype__]
+    names = [name for name in made.__dataclass_fields__ if name != "__msgtype__"]
+    return made(*(as_ros1(getattr(message, name, 0)) for name in names))
 
 
 def drive(num_scans: int = 5, start_ns: int = START_NS, has_static: bool = True) -> list:

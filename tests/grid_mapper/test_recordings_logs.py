@@ -111,6 +111,129 @@ def test_gzip_is_read_directly_and_a_cut_one_as_far_as_it_goes(tmp_path):
     assert "cut off" in recording.problem
 
 
+def rawlaser(t, kind="RAWLASER1", nothing=81.9):
+    return f"{kind} 0 -1.5708 3.1416 0.7854 81.9 0.01 0 4 1 2 {nothing} 4 0 {t} host {t}"
+
+
+def odom(x, t):
+    return f"ODOM {x} 0 0 0 0 0 {t} host {t}"
+
+
+def test_raw_laser_lines_take_their_odometry_from_odom_lines(tmp_path):
+    lines = [x for i in range(4) for x in (odom(0.1 * i, 10 + i), rawlaser(10.5 + i))]
+    path = write(tmp_path / "log", ["PARAM robot_frontlaser_offset 0.3 0 host 0", *lines])
+    recording, events = read(path)
+    assert [e.T_odom_base.x for e in events] == pytest.approx([0.05, 0.15, 0.25])
+    assert events[0].T_base_laser.x == 0.3 and events[0].scan.angle_increment == 0.7854
+    assert recording.counts.without_transform == 1
+    bare = write(tmp_path / "bare", [rawlaser(10.5)])
+    with pytest.raises(RecordingError, match="--no-odom"):
+        read(bare)
+    assert len(read(bare, use_odom=False)[1]) == 1
+
+
+def test_a_scan_logged_in_several_ways_is_used_once(tmp_path):
+    lines = [
+        x for i in range(3) for x in (flaser((5, 5, 1), (i, 0, 0), i), rawlaser(i), odom(i, i))
+    ]
+    rear = [flaser((5, 5, 1), (i, 0, 0), i).replace("FLASER", "RLASER") for i in range(3)]
+    recording, events = read(write(tmp_path / "log", [*lines, *rear]))
+    assert [e.T_odom_base.x for e in events] == [0, 1, 2]
+    assert "scans: 3 RAWLASER1 lines are passed over" in recording.info
+    with pytest.raises(RecordingError, match="rear laser only"):
+        read(write(tmp_path / "rear", rear))
+
+
+def test_scans_beyond_the_odom_lines_are_counted_not_put_at_the_origin(tmp_path):
+    lasers = [flaser((0, 0, 0), (0, 0, 0), i + 0.5) for i in range(5)]
+    recording, events = read(
+        write(tmp_path / "log", [*(odom(0.1 * i, i) for i in range(5)), *lasers])
+    )
+    assert [round(e.T_odom_base.x, 6) for e in events] == [0.05, 0.15, 0.25, 0.35]
+    assert recording.counts.without_transform == 1
+
+
+def test_odom_lines_of_another_clock_are_not_used_and_not_named(tmp_path):
+    lines = [x for i in range(3) for x in (odom(i, 1000 + i), flaser((i, 0, 0), (i, 0, 0), i))]
+    recording, events = read(write(tmp_path / "log", lines))
+    assert [e.T_odom_base.x for e in events] == [0, 1, 2]
+    assert any("second pose of each laser line" in line for line in recording.info)
+
+
+@pytest.mark.parametrize(
+    "packed",
+    ["\r\n".join, "\r".join, lambda lines: "\ufeff" + "\n".join(lines),
+     lambda lines: "\n".join(["# " + 200 * "x"] * 1000 + lines)],
+    ids=["windows", "old mac", "byte order mark", "long head"],
+)  # fmt: skip
+def test_lines_end_and_files_begin_as_they_like(tmp_path, packed):
+    lines = [flaser((5, 5, 1), (0.1 * i, 0, 0), 10 + i) for i in range(5)]
+    (tmp_path / "log").write_bytes(packed(lines).encode())
+    (tmp_path / "log.gz").write_bytes(gzip.compress(packed(lines).encode()))
+    for name in ("log", "log.gz"):
+        recording, events = read(tmp_path / name)
+        assert len(events) == 5 and recording.counts.malformed == 0
+
+
+def test_bytes_that_are_no_text_do_no_harm(tmp_path):
+    lines = [flaser((5, 5, 1), (0.1 * i, 0, 0), 10 + i) for i in range(5)]
+    text = "\n".join(lines).encode()
+    (tmp_path / "cut").write_bytes(text[:-40])
+    (tmp_path / "latin").write_bytes(b"# caf\xe9 \xff\n" + text.replace(b"host", b"h\xf6st"))
+    assert len(read(tmp_path / "latin")[1]) == 5
+    recording, events = read(tmp_path / "cut")
+    assert len(events) == 4 and recording.counts.malformed == 1
+    noise = np.random.default_rng(0).bytes(100_000)
+    for name, content in (("noise", noise), ("noise.gz", gzip.compress(noise)),
+                          ("blank", b"\n"), ("none.gz", gzip.compress(b""))):  # fmt: skip
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(RecordingError, match="no known format"):
+            read(tmp_path / name)
+
+
+def test_what_a_driver_writes_for_nothing_seen_is_found_out(tmp_path):
+    rng = np.random.default_rng(0)
+    lines = []
+    for i in range(20):
+        ranges = np.round(rng.uniform(1.0, 8.0, 180), 2)
+        ranges[rng.random(180) < 0.05] = 8.19
+        lines.append(flaser((5, 5, 1), (i, 0, 0), i, ranges))
+    recording, events = read(write(tmp_path / "log", lines))
+    assert any("8.19 m is what the log writes for nothing seen" in line for line in recording.info)
+    assert max(e.scan.ranges[np.isfinite(e.scan.ranges)].max() for e in events) <= 8.0
+    assert sum(int(np.isposinf(e.scan.ranges).sum()) for e in events) > 100
+    _, events = read(tmp_path / "log", range_limits_m=(0.1, 9.0))
+    assert not any(np.isposinf(e.scan.ranges).any() for e in events)
+
+
+@pytest.mark.parametrize(
+    ("param", "cure"),
+    [("robot_frontlaser_offset", "--laser-pose"), ("robot_front_laser_max", "--range-limits")],
+)
+def test_a_param_that_is_no_number_names_its_cure(tmp_path, param, cure):
+    path = write(tmp_path / "log", [f"PARAM {param} abc", flaser((5, 5, 1), (0, 0, 0), 1)])
+    with pytest.raises(RecordingError, match=cure):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("num_beams", "first_deg", "step_deg"),
+    [(180, -90, 1.0), (181, -90, 1.0), (360, -90, 0.5), (361, -90, 0.5), (401, -50, 0.25)],
+)
+def test_beam_counts_of_the_sick_tell_their_angles(tmp_path, num_beams, first_deg, step_deg):
+    path = write(tmp_path / "log", [flaser((5, 5, 1), (0, 0, 0), 1, [1] * num_beams)])
+    recording, events = read(path)
+    assert np.degrees(events[0].scan.angle_min) == pytest.approx(first_deg)
+    assert np.degrees(events[0].scan.angle_increment) == pytest.approx(step_deg)
+    assert any(f"{num_beams} beams from {first_deg:.1f} deg" in line for line in recording.info)
+
+
+def test_laser_lines_without_a_readable_stamp_are_named_as_such(tmp_path):
+    path = write(tmp_path / "log", [flaser((5, 5, 1), (0, 0, 0), "nan")] * 3)
+    with pytest.raises(RecordingError, match="3 laser lines, none of which can be read"):
+        read(path)
+
+
 def posegraph(tmp_path, edges):
     robot = "0 0 0 0 0 0 0 0 0 0 0"
     lines = []

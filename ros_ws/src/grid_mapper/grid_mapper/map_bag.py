@@ -95,8 +95,14 @@ def _add_input_options(parser: argparse.ArgumentParser) -> None:
     add("--laser-pose", type=float, nargs=3, metavar=("X", "Y", "YAW"),
         help="where the laser sits on the robot (m, m, rad)")  # fmt: skip
     add("--no-odom", action="store_true", help="map without odometry")
-    add("--base-frame", metavar="FRAME", help="frame of the robot (default: base_link)")
-    add("--odom-frame", metavar="FRAME", help="frame of the odometry (default: odom)")
+    add("--base-frame", metavar="FRAME",
+        help="frame of the robot (default: base_link, or what a bag has instead)")  # fmt: skip
+    add("--odom-frame", metavar="FRAME",
+        help="frame of the odometry (default: odom, or what a bag has instead)")  # fmt: skip
+    add("--range-limits", type=float, nargs=2, metavar=("MIN", "MAX"),
+        help="shortest and longest range that is a measurement (m, m)")  # fmt: skip
+    add("--recorded-stamps", action="store_true",
+        help="take the times of recording instead of a bag's stamps")  # fmt: skip
     wheels = WheelOptions()
     add("--ticks-per-turn", type=float, default=wheels.ticks_per_turn, metavar="N",
         help="for logs of wheel ticks: ticks of a wheel turn (default: %(default)s)")  # fmt: skip
@@ -122,14 +128,21 @@ def _options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:
         sonar_topics=tuple(args.sonar_topic),
         laser_pose=None if args.laser_pose is None else SE2(*args.laser_pose),
         use_odom=not args.no_odom,
-        base_frame=args.base_frame if args.base_frame is not None else frames.base,
-        odom_frame=args.odom_frame if args.odom_frame is not None else frames.odom,
+        base_frame=args.base_frame if args.base_frame is not None else _named(frames.base, "base"),
+        odom_frame=args.odom_frame if args.odom_frame is not None else _named(frames.odom, "odom"),
+        range_limits_m=None if args.range_limits is None else tuple(args.range_limits),
+        use_recorded_stamps=args.recorded_stamps,
         wheels=WheelOptions(
             ticks_per_turn=args.ticks_per_turn,
             wheel_radius_m=args.wheel_radius,
             half_axle_m=args.half_axle,
         ),
     )
+
+
+def _named(frame: str, name: str) -> str | None:
+    """Return a frame that the configuration names; None where it has only the default."""
+    return None if frame == getattr(FrameConfig(), name) else frame
 
 
 def _inputs(args: argparse.Namespace) -> MapInputs:

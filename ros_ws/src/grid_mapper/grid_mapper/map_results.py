@@ -14,7 +14,7 @@ from floornav_common.reporting import write_atomic, write_html
 from grid_mapper.map_files import save_map
 from grid_mapper.map_pictures import draw_map
 from grid_mapper.map_run import MapRun, peak_memory_mb
-from grid_mapper.recordings import Recording
+from grid_mapper.recordings import Counts, Recording
 from grid_mapper.relations import Relation, RelationErrors, relation_errors
 from grid_mapper.trajectory_metrics import (
     Trajectory,
@@ -80,12 +80,21 @@ def write_results(
         title = f"{inputs.name}: {len(run.trajectory)} scans, {summary['path_m']:.1f} m"
         write_atomic(out / "map.png", draw_map(occupancy, run.trajectory, title))
     else:
-        summary["problem"] = summary["problem"] or NO_MAP
+        nothing = NO_MAP if run.trajectory else none_used(recording.counts)
+        summary["problem"] = summary["problem"] or nothing
     is_whole = summary["problem"] is None and not run.is_interrupted
     summary.update(ok=is_whole, partial=not is_whole)
     _compare(inputs, run, summary)
     write_html(out, f"Map of {inputs.name}", _sections(out, inputs, summary, run), inputs.format)
     return screen_text(summary)
+
+
+def none_used(counts: Counts) -> str:
+    """Return why not one scan of a recording was used."""
+    return (
+        f"not one of {counts.scans} scans could be used: {counts.without_transform} without"
+        f" transform, {counts.malformed} not readable"
+    )
 
 
 def _compare(inputs: MapInputs, run: MapRun, summary: dict[str, Any]) -> None:

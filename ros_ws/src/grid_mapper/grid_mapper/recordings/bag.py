@@ -2,47 +2,42 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
-import apsw
-from rosbags.interfaces import Connection, ConnectionExtRosbag2, Qos
-from rosbags.rosbag1 import Reader as Ros1Reader
-from rosbags.rosbag1 import ReaderError as Ros1Error
+from rosbags.interfaces import Qos
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.storage_mcap import McapReader
-from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from grid_mapper.recordings.bag_files import (
-    MCAP_MAGIC,
-    ROS1_MAGIC,
-    magic_of,
+    METADATA_NAME,
     storage_files,
     unpacked_message,
 )
-from grid_mapper.recordings.bag_metadata import metadata_qos
-from grid_mapper.recordings.bag_salvage import salvage_reader
+from grid_mapper.recordings.bag_metadata import metadata_files, metadata_qos
+from grid_mapper.recordings.bag_salvage import SalvageReader, salvage_reader
+from grid_mapper.recordings.bag_storage import (
+    STORAGE_ERRORS,
+    Message,
+    Storage,
+    end_ns_of,
+    is_ros1,
+    num_messages_of,
+    num_wanted,
+    qos_of,
+    reader_of,
+    reason_of,
+    start_ns_of,
+    stored_messages,
+)
 from grid_mapper.recordings.bag_types import BagTypes
 from grid_mapper.recordings.events import RecordingError
 
-STORAGE_ERRORS = (
-    ReaderError, Ros1Error, apsw.Error, struct.error, EOFError, OSError, AssertionError,
-    ValueError, IndexError, KeyError, TypeError,
-)  # fmt: skip
-"""What the storage readers raise on damaged files."""
-
-
-class Message(NamedTuple):
-    """A serialized message: topic, type, when it was recorded (ns) and its bytes."""
-
-    topic: str
-    msgtype: str
-    recorded_ns: int
-    data: bytes
+__all__ = ["Bag", "Message", "Topic"]
 
 
 @dataclass
@@ -64,18 +59,6 @@ class Topic:
     definition: str = ""
 
 
-class Storage(Protocol):
-    """One storage file, as rosbags' readers and the ones for damaged files give it."""
-
-    connections: list[Connection]
-
-    def messages(
-        self, connections: Collection[Connection], start: int | None = None
-    ) -> Iterator[tuple[Connection, int, bytes]]:
-        """Yield the messages of some connections in recorded order."""
-        ...
-
-
 class Bag:
     """An open bag; use as a context manager.
 
@@ -88,20 +71,24 @@ class Bag:
 
     def __init__(self, path: Path) -> None:
         """Open all storage files."""
+        path = path.parent if path.name == METADATA_NAME else path
         self.path = path
         self.problems: list[str] = []
         self._stack = ExitStack()
         try:
-            files = storage_files(path, self._stack)
-            self.is_ros1 = magic_of(files[0]).startswith(ROS1_MAGIC)
-            self._storages = [s for s in map(self._open, files) if s is not None]
+            files = storage_files(path, self._stack, self._note)
+            self._note_missing(len(files))
+            opened = [(s, f) for f in files if (s := self._open(f)) is not None]
         except BaseException:
             self._stack.close()
             raise
-        if not self._storages:
+        if not opened:
             self._stack.close()
             raise RecordingError(f"{path} cannot be read: {'; '.join(self.problems)}")
-        self._storages.sort(key=_start_ns)
+        opened.sort(key=lambda pair: start_ns_of(pair[0]))
+        self._storages = [storage for storage, _ in opened]
+        self._files = [file for _, file in opened]
+        self.is_ros1 = any(is_ros1(s) for s in self._storages)
         self.types = BagTypes((c for s in self._storages for c in s.connections), self.is_ros1)
         self.topics = self._collect_topics()
 
@@ -125,12 +112,12 @@ class Bag:
     @property
     def start_ns(self) -> int:
         """When the first message was recorded, ns; 0 if there is none."""
-        return min((_start_ns(s) for s in self._storages if _end_ns(s) > 0), default=0)
+        return min((start_ns_of(s) for s in self._storages if end_ns_of(s) > 0), default=0)
 
     @property
     def duration_ns(self) -> int:
         """Time between first and last message, ns."""
-        return max(max((_end_ns(s) - 1 for s in self._storages), default=0) - self.start_ns, 0)
+        return max(max((end_ns_of(s) - 1 for s in self._storages), default=0) - self.start_ns, 0)
 
     def messages(
         self, topics: Collection[str] | None = None, start_ns: int | None = None
@@ -141,17 +128,19 @@ class Bag:
             topics: Names of topics; None for all.
             start_ns: Leave out what was recorded earlier.
         """
-        for storage in self._storages:
-            wanted = [c for c in storage.connections if topics is None or c.topic in topics]
-            if not wanted:
-                continue
+        for i in range(len(self._storages)):
             num_read = 0
             try:
-                for connection, stamp, data in storage.messages(wanted, start=start_ns):
-                    yield Message(connection.topic, connection.msgtype, stamp, bytes(data))
+                for message in stored_messages(self._storages[i], topics, start_ns):
+                    yield message
                     num_read += 1
+                num_missing = num_wanted(self._storages[i], topics) - num_read
+                if start_ns is None and num_missing > 0:
+                    raise ReaderError(f"{num_missing} messages are not where its index says")
             except STORAGE_ERRORS as error:
-                self._note(f"{self.path.name} is damaged after {num_read} messages: {error}")
+                if self._save(i, reason_of(error)):
+                    saved = stored_messages(self._storages[i], topics, start_ns)
+                    yield from islice(saved, num_read, None)
 
     def deserialize(self, message: Message) -> Any:
         """Return the message object of a message.
@@ -166,25 +155,48 @@ class Bag:
         if problem not in self.problems:
             self.problems.append(problem)
 
+    def _save(self, i: int, reason: str) -> bool:
+        """Read a storage that turns out to be damaged from its start instead; False if in vain."""
+        if isinstance(self._storages[i], SalvageReader):
+            return False
+        saved = self._salvaged(self._files[i], reason)
+        if saved is not None:
+            self._storages[i] = saved
+        return saved is not None
+
+    def _note_missing(self, num_files: int) -> None:
+        named = metadata_files(self.path) if self.path.is_dir() else []
+        if len(named) > num_files:
+            self._note(f"{METADATA_NAME} names {len(named)} files, {num_files} are there to read")
+
     def _open(self, path: Path) -> Storage | None:
         """Open one storage file, or what can be saved of it; None if that is nothing."""
         try:
-            reader = self._opened(_reader_of(path))
+            reader = self._opened(reader_of(path))
             # Without an index rosbags refuses messages that are out of order: read those ourselves.
             has_no_index = (
                 isinstance(reader, McapReader) and reader.connections and not reader.chunks
             )
-            return salvage_reader(path) if has_no_index else reader
+            if not has_no_index:
+                return reader
+            reason = "it has no index"
         except STORAGE_ERRORS as error:
-            reason = " ".join(str(error).split())
+            reason = reason_of(error)
+        return self._salvaged(path, reason)
+
+    def _salvaged(self, path: Path, reason: str) -> SalvageReader | None:
+        """Return what can be read of a file from its start on, and note what that is."""
         name = self.path.name
         try:
             salvaged = salvage_reader(path)
         except STORAGE_ERRORS as error:
             self._note(f"nothing in {name} can be read ({reason}; {error})")
             return None
+        if salvaged.is_whole:
+            return salvaged
         self._note(
-            f"{name} was not closed properly or is cut off ({reason}): {len(salvaged)} messages"
+            f"{name} was not closed properly, is cut off or damaged ({reason}):"
+            f" {len(salvaged)} messages"
             f" are read, the last recorded at {(salvaged.metadata.end_time - 1) * 1e-9:.3f} s"
         )
         return salvaged
@@ -201,42 +213,8 @@ class Bag:
         for connection in (c for s in self._storages for c in s.connections):
             new = Topic(connection.topic, connection.msgtype, definition=connection.msgdef.data)
             topic = topics.setdefault(connection.topic, new)
-            topic.num_messages += _num_messages(connection)
-            for profile in _qos(connection) or recorded_qos.get(connection.topic, []):
+            topic.num_messages += num_messages_of(connection)
+            for profile in qos_of(connection) or recorded_qos.get(connection.topic, []):
                 if profile not in topic.qos:
                     topic.qos.append(profile)
         return dict(sorted(topics.items()))
-
-
-def _reader_of(path: Path) -> Any:
-    magic = magic_of(path)
-    if magic.startswith(ROS1_MAGIC):
-        return Ros1Reader(path)
-    return McapReader(path) if magic.startswith(MCAP_MAGIC) else Sqlite3Reader(path)
-
-
-def _has_no_index(reader: Any) -> bool:
-    """Tell of an mcap file that rosbags reads only if its messages are in order."""
-    return isinstance(reader, McapReader) and bool(reader.connections) and not reader.chunks
-
-
-def _start_ns(storage: Any) -> int:
-    metadata = getattr(storage, "metadata", None)
-    return int(storage.start_time if metadata is None else metadata.start_time)
-
-
-def _end_ns(storage: Any) -> int:
-    metadata = getattr(storage, "metadata", None)
-    return int(storage.end_time if metadata is None else metadata.end_time)
-
-
-def _num_messages(connection: Connection) -> int:
-    if isinstance(connection.owner, Ros1Reader):
-        chunks = connection.owner.chunk_infos
-        return sum(chunk.connection_counts.get(connection.id, 0) for chunk in chunks)
-    return connection.msgcount
-
-
-def _qos(connection: Connection) -> list[Qos]:
-    ext = connection.ext
-    return ext.offered_qos_profiles if isinstance(ext, ConnectionExtRosbag2) else []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,21 +15,27 @@ from floornav_common.transform_buffer import (
     TransformBuffer,
     TransformUnavailable,
 )
+from grid_mapper.laser_mount import level_scan
 from grid_mapper.recordings.bag import Bag, Message
-from grid_mapper.recordings.bag_choice import Choice, choose, is_static_topic
+from grid_mapper.recordings.bag_choice import Choice, choose
+from grid_mapper.recordings.bag_frames import plain
 from grid_mapper.recordings.bag_messages import (
     StampedTransform,
     odometry_from,
     range_event,
-    scan_event,
     stamp_ns_of,
     transforms_from,
 )
-from grid_mapper.recordings.events import Event, Recording, RecordingOptions
+from grid_mapper.recordings.bag_survey import is_static_topic
+from grid_mapper.recordings.events import Event, Recording, RecordingOptions, ScanEvent
 from grid_mapper.recordings.ordering import JUMP_NS, StampWatch
 from grid_mapper.recordings.pose_track import PoseTrack
+from grid_mapper.recordings.scan_geometry import scan_of
 
 KEEP_ODOM_NS = 10_000_000_000
+"""As long as transforms are kept: nothing is interpolated over a longer gap."""
+LONGEST_WAIT_NS = 9_000_000_000
+"""Odometry may run so far ahead of a waiting reading; those behind it then find theirs still."""
 
 
 class NeverCoveredError(Exception):
@@ -62,14 +68,15 @@ class Lockstep:
         self._num_taken = 0
         self._newest_ns: dict[str, int] = {}
         self._has_restarted = False
-        self._set_transforms(choice.tree.statics.values(), is_static=True)
+        for transform in choice.fixed.values():
+            self._set_transform(transform, is_static=True)
 
     def take(self, message: Message, content: Any) -> Iterator[Event]:
         """Take one message; yield every event that it makes ready."""
         if message.topic in self._choice.tf_topics:
-            self._set_transforms(transforms_from(content), is_static_topic(message.topic))
+            self._take_transforms(message, content)
         elif message.topic == self._choice.odom_topic:
-            self._take_odometry(content)
+            self._take_odometry(message, content)
         else:
             self._take_reading(message, content)
         yield from self._ready()
@@ -79,17 +86,30 @@ class Lockstep:
         self._counts.without_transform += len(self._waiting)
         self._waiting.clear()
 
-    def _set_transforms(self, transforms: Iterable[StampedTransform], is_static: bool) -> None:
-        for parent, child, stamp_ns, xyz, quat_xyzw in transforms:
-            if not is_static and parent.removeprefix("/") == self._choice.odom_frame:
+    def _stamp_ns(self, message: Message, stamp_ns: int) -> int:
+        return message.recorded_ns if self._options.use_recorded_stamps else stamp_ns
+
+    def _take_transforms(self, message: Message, content: Any) -> None:
+        is_static = is_static_topic(message.topic)
+        for transform in transforms_from(content):
+            parent, child, stamp_ns = transform[:3]
+            if not is_static and (plain(parent), plain(child)) in self._choice.fixed:
+                continue
+            stamp_ns = self._stamp_ns(message, stamp_ns)
+            if not is_static and plain(parent) == self._choice.odom_frame:
                 self._watch_motion(child, stamp_ns)
-            try:
-                self._buffer.set_transform(parent, child, stamp_ns, xyz, quat_xyzw, is_static)
-            except ValueError:
-                self._counts.malformed += 1
+            self._set_transform((parent, child, stamp_ns, *transform[3:]), is_static)
+
+    def _set_transform(self, transform: StampedTransform, is_static: bool) -> None:
+        try:
+            self._buffer.set_transform(*transform, is_static)
+        except ValueError:
+            self._counts.malformed += 1
 
     def _watch_motion(self, source: str, stamp_ns: int) -> None:
         """Start again if the stamps of a frame or of the odometry jump back."""
+        if stamp_ns == 0:
+            return
         newest_ns = self._newest_ns.get(source, stamp_ns)
         if newest_ns - stamp_ns > JUMP_NS:
             self._restart()
@@ -103,15 +123,25 @@ class Lockstep:
         self._odom.clear()
         self._newest_ns.clear()
 
-    def _take_odometry(self, content: Any) -> None:
-        stamp_ns, T_odom_base = odometry_from(content)
+    def _take_odometry(self, message: Message, content: Any) -> None:
+        stamp_ns = self._stamp_ns(message, stamp_ns_of(content))
+        try:
+            T_odom_child = odometry_from(content).to_se2()
+        except ValueError:
+            self._counts.malformed += 1
+            return
         self._watch_motion("odometry", stamp_ns)
-        self._odom.add(stamp_ns, T_odom_base)
+        self._odom.add(stamp_ns, T_odom_child)
         self._odom.forget_before(stamp_ns - KEEP_ODOM_NS)
 
     def _take_reading(self, message: Message, content: Any) -> None:
-        stamp_ns = stamp_ns_of(content)
-        jumped = message.topic == self._choice.scan_topic and self._watch.is_jump(stamp_ns)
+        stamp_ns = self._stamp_ns(message, stamp_ns_of(content))
+        is_scan = message.topic == self._choice.scan_topic
+        if stamp_ns == 0:
+            self._counts.scans += is_scan
+            self._counts.malformed += 1
+            return
+        jumped = is_scan and self._watch.is_jump(stamp_ns)
         if jumped and not self._has_restarted:
             self._restart()
         if jumped:
@@ -128,6 +158,8 @@ class Lockstep:
                 event = self._event(reading)
             except NeverCoveredError:
                 self._counts.without_transform += 1
+            except ValueError:
+                self._counts.malformed += 1
             else:
                 if event is None:
                     return
@@ -144,18 +176,34 @@ class Lockstep:
         except PastExtrapolationError as error:
             raise NeverCoveredError from error
         except TransformUnavailable:
+            self._refuse_to_wait_longer(reading)
             return None
         if self._options.use_odom and T_odom_base is None:
+            self._refuse_to_wait_longer(reading)
             return None
         if is_scan:
-            return scan_event(reading.message, T_base_sensor, T_odom_base, reading.follows_jump)
-        return range_event(reading.message, T_base_sensor, T_odom_base)
+            return self._scan_event(reading, T_base_sensor, T_odom_base)
+        return range_event(reading.stamp_ns, reading.message, T_base_sensor, T_odom_base)
+
+    def _refuse_to_wait_longer(self, reading: Waiting) -> None:
+        """Give a reading up if what it waits for can no longer come."""
+        if max(self._newest_ns.values(), default=0) > reading.stamp_ns + LONGEST_WAIT_NS:
+            raise NeverCoveredError
+
+    def _scan_event(
+        self, reading: Waiting, T_base_laser: Transform3, T_odom_base: SE2 | None
+    ) -> ScanEvent:
+        scan = scan_of(reading.message, self._options.range_limits_m)
+        leveled, pose = level_scan(scan, T_base_laser)
+        return ScanEvent(reading.stamp_ns, leveled, pose, T_odom_base, reading.follows_jump)
 
     def _sensor_pose(self, frame: str, is_scan: bool, stamp_ns: int) -> Transform3:
         if is_scan and self._options.laser_pose is not None:
             return Transform3.from_se2(self._options.laser_pose)
         base = self._choice.base_frame
-        if not self._choice.tree.connects(base, frame.removeprefix("/")):
+        if plain(frame) == base:
+            return Transform3.identity()
+        if not self._choice.tree.connects(base, plain(frame)):
             raise NeverCoveredError
         return self._buffer.lookup(base, frame, stamp_ns)
 
@@ -168,7 +216,12 @@ class Lockstep:
         oldest_ns = self._odom.oldest_ns()
         if oldest_ns is not None and stamp_ns < oldest_ns:
             raise NeverCoveredError
-        return self._odom.at(stamp_ns)
+        if self._odom.gap_ns(stamp_ns) > KEEP_ODOM_NS:
+            raise NeverCoveredError
+        T_odom_child, child = self._odom.at(stamp_ns), self._choice.odom_child
+        if T_odom_child is None or child == self._choice.base_frame:
+            return T_odom_child
+        return T_odom_child @ self._buffer.lookup(child, self._choice.base_frame, stamp_ns).to_se2()
 
 
 def open_bag_recording(path: Path, options: RecordingOptions) -> Recording:

@@ -7,7 +7,9 @@ It is read only for QoS profiles that the files of old bags do not hold.
 from __future__ import annotations
 
 import shutil
+import sqlite3
 import sys
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,14 +26,19 @@ MCAP_MAGIC = b"\x89MCAP0\r\n"
 ROS1_MAGIC = b"#ROSBAG V"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 STORAGE_MAGICS = (SQLITE_MAGIC, MCAP_MAGIC, ROS1_MAGIC)
+STORAGE_ENDINGS = (".db3", ".mcap", ".bag", ".db3.zstd", ".mcap.zstd")
 METADATA_NAME = "metadata.yaml"
+NUM_NAMED = 5
 
 
 def is_bag(path: Path) -> bool:
     """Tell whether a file or folder is a bag, by content."""
-    if path.is_dir():
-        return True
-    return any(magic_of(path).startswith(magic) for magic in (*STORAGE_MAGICS, ZSTD_MAGIC))
+    return path.is_dir() or path.name == METADATA_NAME or _is_storage(path)
+
+
+def _is_storage(path: Path) -> bool:
+    magics = (*STORAGE_MAGICS, ZSTD_MAGIC)
+    return path.is_file() and any(magic_of(path).startswith(magic) for magic in magics)
 
 
 def magic_of(path: Path) -> bytes:
@@ -40,23 +47,70 @@ def magic_of(path: Path) -> bytes:
         return stream.read(16)
 
 
-def storage_files(path: Path, stack: ExitStack) -> list[Path]:
-    """Return the uncompressed storage files of a bag.
+def storage_files(path: Path, stack: ExitStack, note: Callable[[str], None]) -> list[Path]:
+    """Return the storage files of a bag, each as one file that can be read as it is.
 
     Args:
         path: A storage file, or a folder that holds some.
-        stack: Removes unpacked copies of compressed files when it is closed.
+        stack: Removes unpacked copies when it is closed.
+        note: Told of files that hold nothing.
 
     Raises:
         RecordingError: If there is none.
     """
     found = sorted(path.iterdir()) if path.is_dir() else [path]
-    files = [f for f in found if f.is_file() and is_bag(f) and f.stat().st_size > 0]
+    named = [f for f in found if f.is_file() and f.name.endswith(STORAGE_ENDINGS)]
+    for empty in (f for f in named if f.stat().st_size == 0):
+        note(f"{empty.name} is empty")
+    files = [f for f in found if _is_storage(f)]
     if not files:
-        raise RecordingError(
-            f"{path} holds no recording: no sqlite3, mcap or ROS 1 bag file with anything in it"
-        )
-    return [_unpacked(f, stack) if magic_of(f).startswith(ZSTD_MAGIC) else f for f in files]
+        raise RecordingError(_nothing_in(path, found))
+    return [_readable(f, stack) for f in files]
+
+
+def _nothing_in(path: Path, found: list[Path]) -> str:
+    text = f"{path} holds no recording: no sqlite3, mcap or ROS 1 bag file with anything in it"
+    inside = [f for f in found if f.is_dir() and any(map(_is_storage, f.iterdir()))]
+    if inside:
+        return f"{text}; name one of the bags in it: {', '.join(f.name for f in inside)}"
+    logs = [f.name for f in found if f.is_file() and f.name != METADATA_NAME]
+    return f"{text}; name a file if it is a log: {', '.join(logs[:NUM_NAMED])}" if logs else text
+
+
+def _readable(path: Path, stack: ExitStack) -> Path:
+    """Return the file, or a copy with what compression or a crash kept out of it."""
+    magic = magic_of(path)
+    if magic.startswith(ZSTD_MAGIC):
+        return _unpacked(path, stack)
+    beside = [f for f in map(path.with_name, _left_beside(path)) if _has_content(f)]
+    if magic.startswith(SQLITE_MAGIC) and beside:
+        return _merged(path, beside, stack)
+    return path
+
+
+def _left_beside(path: Path) -> list[str]:
+    """Return the names under which sqlite leaves what it has not merged yet."""
+    return [f"{path.name}-wal", f"{path.name}-journal"]
+
+
+def _has_content(path: Path) -> bool:
+    return path.is_file() and path.stat().st_size > 0
+
+
+def _merged(path: Path, beside: list[Path], stack: ExitStack) -> Path:
+    """Return a copy into which sqlite has merged what a recorder that was killed left beside it."""
+    folder = Path(stack.enter_context(TemporaryDirectory(prefix="floornav-bag-")))
+    copies = [folder / f.name for f in (path, *beside)]
+    for source, copy in zip((path, *beside), copies, strict=True):
+        shutil.copyfile(source, copy)
+    try:
+        database = sqlite3.connect(copies[0])
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        database.execute("PRAGMA journal_mode=DELETE").fetchall()
+        database.close()
+    except sqlite3.Error:
+        pass  # the reader of the copy finds it damaged and says so
+    return copies[0]
 
 
 def _unpacked(path: Path, stack: ExitStack) -> Path:

@@ -11,8 +11,7 @@ import numpy as np
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
-from grid_mapper.laser_mount import level_scan
-from grid_mapper.recordings.events import RangeEvent, RecordingError, ScanEvent
+from grid_mapper.recordings.events import RangeEvent
 from grid_mapper.scan_cleaning import clean_scan
 
 StampedTransform = tuple[str, str, int, tuple[float, ...], tuple[float, ...]]
@@ -37,37 +36,19 @@ def transforms_from(message: Any) -> Iterator[StampedTransform]:
         )
 
 
-def odometry_from(message: Any) -> tuple[int, SE2]:
-    """Return stamp (ns) and planar pose of an Odometry message."""
-    p, q = message.pose.pose.position, message.pose.pose.orientation
-    pose = Transform3.from_parts((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
-    return stamp_ns_of(message), pose.to_se2()
-
-
-def scan_event(
-    message: Any, T_base_laser: Transform3, T_odom_base: SE2 | None, follows_jump: bool
-) -> ScanEvent:
-    """Return the event of a LaserScan.
+def odometry_from(message: Any) -> Transform3:
+    """Return the pose of an Odometry message.
 
     Raises:
-        RecordingError: If the laser does not sweep in the plane.
+        ValueError: If its numbers are no pose.
     """
-    scan = Scan(
-        ranges=np.asarray(message.ranges, dtype=np.float64),
-        angle_min=float(message.angle_min),
-        angle_increment=float(message.angle_increment),
-        range_min=float(message.range_min),
-        range_max=float(message.range_max),
-        time_increment=float(message.time_increment),
-    )
-    try:
-        leveled, pose = level_scan(scan, T_base_laser)
-    except ValueError as error:
-        raise RecordingError(f"{message.header.frame_id}: {error}") from error
-    return ScanEvent(stamp_ns_of(message), leveled, pose, T_odom_base, follows_jump)
+    p, q = message.pose.pose.position, message.pose.pose.orientation
+    return Transform3.from_parts((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
-def range_event(message: Any, T_base_sonar: Transform3, T_odom_base: SE2 | None) -> RangeEvent:
+def range_event(
+    stamp_ns: int, message: Any, T_base_sonar: Transform3, T_odom_base: SE2 | None
+) -> RangeEvent:
     """Return the event of a Range; its value is cleaned as a scan of one beam is."""
     reach = Scan(
         np.array([message.range], dtype=np.float64), 0.0, 0.0,
@@ -75,7 +56,7 @@ def range_event(message: Any, T_base_sonar: Transform3, T_odom_base: SE2 | None)
     )  # fmt: skip
     value = float(clean_scan(replace(reach)).ranges[0])
     return RangeEvent(
-        stamp_ns=stamp_ns_of(message),
+        stamp_ns=stamp_ns,
         frame=str(message.header.frame_id),
         range=value,
         range_min=reach.range_min,

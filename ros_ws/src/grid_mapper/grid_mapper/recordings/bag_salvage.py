@@ -10,6 +10,7 @@ import sqlite3
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
+from urllib.parse import quote
 
 from rosbags.interfaces import (
     Connection,
@@ -21,7 +22,7 @@ from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import parse_qos
 
 from grid_mapper.recordings.bag_files import MCAP_MAGIC, ROS1_MAGIC, magic_of
-from grid_mapper.recordings.mcap_scan import scan_mcap
+from grid_mapper.recordings.mcap_scan import FORMATS, Ending, scan_mcap
 from grid_mapper.recordings.ros1_scan import scan_ros1
 
 Record = tuple[int, int, bytes]
@@ -41,11 +42,21 @@ class SalvageReader:
     Args:
         connections: Its topics; filled while records are read.
         records: All that can be read, once; kept in memory.
+        ending: Tells after reading whether the file came to its end; None if it cannot.
+
+    Attributes:
+        is_whole: Whether nothing is missing: the file only has no index.
     """
 
-    def __init__(self, connections: list[Connection], records: Iterable[Record]) -> None:
+    def __init__(
+        self,
+        connections: list[Connection],
+        records: Iterable[Record],
+        ending: Ending | None = None,
+    ) -> None:
         """Read everything that can be read."""
         self._records = sorted(records, key=lambda record: record[1])
+        self.is_whole = ending is not None and ending.is_reached and not ending.is_broken
         if not self._records:
             raise ReaderError("no complete message in it")
         counts: dict[int, int] = {}
@@ -83,12 +94,10 @@ def salvage_reader(path: Path) -> SalvageReader:
     magic = magic_of(path)
     connections: list[Connection] = []
     if magic.startswith(MCAP_MAGIC):
-        records: Iterable[Record] = scan_mcap(path, connections)
-    elif magic.startswith(ROS1_MAGIC):
-        records = scan_ros1(path, connections)
-    else:
-        records = scan_sqlite3(path, connections)
-    return SalvageReader(connections, records)
+        ending = Ending()
+        return SalvageReader(connections, scan_mcap(path, connections, ending), ending)
+    scan = scan_ros1 if magic.startswith(ROS1_MAGIC) else scan_sqlite3
+    return SalvageReader(connections, scan(path, connections))
 
 
 def scan_sqlite3(path: Path, connections: list[Connection]) -> Iterator[Record]:
@@ -96,13 +105,14 @@ def scan_sqlite3(path: Path, connections: list[Connection]) -> Iterator[Record]:
 
     `writable_schema` makes sqlite open a file that is shorter than its header says.
     """
-    database = sqlite3.connect(f"file:{path}?mode=ro&immutable=1", uri=True)
+    database = sqlite3.connect(f"file:{quote(str(path))}?mode=ro&immutable=1", uri=True)
     try:
         database.execute("PRAGMA writable_schema=ON")
         columns = [row[1] for row in database.execute("PRAGMA table_info(topics)")]
         qos_column = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
+        definitions = _definitions(database)
         rows = database.execute(f"SELECT id, name, type, {qos_column} FROM topics")
-        connections.extend(_connection(*row) for row in rows)
+        connections.extend(_connection(definitions, *row) for row in rows)
         query = "SELECT topic_id, timestamp, data FROM messages ORDER BY id"
         for topic_id, recorded_ns, data in database.execute(query):
             if not (isinstance(recorded_ns, int) and isinstance(data, bytes)):
@@ -114,7 +124,22 @@ def scan_sqlite3(path: Path, connections: list[Connection]) -> Iterator[Record]:
         database.close()
 
 
-def _connection(topic_id: int, name: str, msgtype: str, qos: str) -> Connection:
-    definition = MessageDefinition(MessageDefinitionFormat.NONE, "")
+def _definitions(database: sqlite3.Connection) -> dict[str, MessageDefinition]:
+    """Return the definitions that bags since Iron hold, by type."""
+    query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+    try:
+        return {
+            name: MessageDefinition(FORMATS[encoding], text)
+            for name, encoding, text in database.execute(query)
+            if encoding in FORMATS
+        }
+    except sqlite3.Error:
+        return {}
+
+
+def _connection(
+    definitions: dict[str, MessageDefinition], topic_id: int, name: str, msgtype: str, qos: str
+) -> Connection:
+    definition = definitions.get(msgtype, MessageDefinition(MessageDefinitionFormat.NONE, ""))
     ext = ConnectionExtRosbag2("cdr", parse_qos(qos))
     return Connection(topic_id, name, msgtype, definition, "", 0, ext, None)

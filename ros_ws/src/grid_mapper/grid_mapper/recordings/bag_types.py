@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterable
 from typing import Any
 
@@ -19,7 +20,16 @@ SCAN_TYPE = "sensor_msgs/msg/LaserScan"
 RANGE_TYPE = "sensor_msgs/msg/Range"
 ODOM_TYPE = "nav_msgs/msg/Odometry"
 TF_TYPE = "tf2_msgs/msg/TFMessage"
-READ_TYPES = (SCAN_TYPE, RANGE_TYPE, ODOM_TYPE, TF_TYPE)
+OLD_TF_TYPE = "tf/msg/tfMessage"
+"""Of ROS 1 before 2013; the same layout."""
+TEXT_TYPE = "std_msgs/msg/String"
+ECHO_TYPE = "sensor_msgs/msg/MultiEchoLaserScan"
+BAD_BYTES = (
+    SerdeError, KeyError, IndexError, AssertionError, ValueError, TypeError, struct.error,
+    ArithmeticError, MemoryError,
+)  # fmt: skip
+"""What reading bytes as a type that they are not raises."""
+READ_TYPES = (SCAN_TYPE, RANGE_TYPE, ODOM_TYPE, TF_TYPE, OLD_TF_TYPE, TEXT_TYPE)
 IDL_SEPARATOR = "=" * 80 + "\n"
 
 
@@ -37,6 +47,8 @@ class BagTypes:
     def __init__(self, connections: Iterable[Connection], is_ros1: bool) -> None:
         """Collect the definitions."""
         self._is_ros1 = is_ros1
+        self._defined: set[str] = set()
+        self._newer = get_typestore(Stores.ROS2_JAZZY)
         self._store = get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.ROS2_HUMBLE)
         for connection in connections:
             if connection.msgtype in READ_TYPES:
@@ -51,9 +63,18 @@ class BagTypes:
         try:
             if self._is_ros1:
                 return self._store.deserialize_ros1(data, msgtype)
-            return self._store.deserialize_cdr(data, msgtype)
-        except (SerdeError, KeyError, IndexError, AssertionError, UnicodeDecodeError) as error:
+            return self._deserialize_cdr(data, msgtype)
+        except BAD_BYTES as error:
             raise ValueError(f"not a {msgtype}: {error}") from error
+
+    def _deserialize_cdr(self, data: bytes, msgtype: str) -> Any:
+        """Read by the definition; where the bag holds none, the newer one is tried as well."""
+        try:
+            return self._store.deserialize_cdr(data, msgtype)
+        except BAD_BYTES:
+            if msgtype in self._defined:
+                raise
+            return self._newer.deserialize_cdr(data, msgtype)
 
     def _register(self, connection: Connection) -> None:
         definition = connection.msgdef
@@ -68,6 +89,7 @@ class BagTypes:
         for name in types:
             self._store.fielddefs.pop(name, None)
         self._store.register(types)
+        self._defined.update(types)
 
 
 def _types_from_idl(text: str) -> dict[str, Any]:

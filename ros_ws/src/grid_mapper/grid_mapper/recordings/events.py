@@ -92,8 +92,10 @@ class RecordingOptions:
         sonar_topics: Range topics of a bag; empty reads none.
         laser_pose: Pose of the laser on the robot; beats the recording.
         use_odom: False where odometry shall not be read.
-        base_frame: Frame of the robot in a bag.
-        odom_frame: Frame of the odometry in a bag.
+        base_frame: Frame of the robot in a bag; None for base_link, or what the bag has instead.
+        odom_frame: Frame of the odometry in a bag; None for odom, or what the bag has instead.
+        range_limits_m: Shortest and longest range that is a measurement; beats the recording.
+        use_recorded_stamps: True to take the times of recording instead of a bag's stamps.
         wheels: Geometry for logs of wheel ticks.
     """
 
@@ -102,9 +104,18 @@ class RecordingOptions:
     sonar_topics: tuple[str, ...] = ()
     laser_pose: SE2 | None = None
     use_odom: bool = True
-    base_frame: str = "base_link"
-    odom_frame: str = "odom"
+    base_frame: str | None = None
+    odom_frame: str | None = None
+    range_limits_m: tuple[float, float] | None = None
+    use_recorded_stamps: bool = False
     wheels: WheelOptions = WheelOptions()
+
+    def __post_init__(self) -> None:
+        """Refuse limits that leave no range."""
+        if self.range_limits_m is not None:
+            low, high = self.range_limits_m
+            if not 0.0 <= low < high:
+                raise ValueError(f"range limits must be 0 <= MIN < MAX, got {low:g} {high:g}")
 
 
 @dataclass
@@ -117,7 +128,7 @@ class Counts:
         stamps_backwards: Scans stamped before the scan that was recorded before them.
         stamps_repeated: Scans with the stamp of the scan before them.
         jumps: Times the whole recording jumped back in time.
-        malformed: Lines or messages that could not be read.
+        malformed: Lines or messages that could not be read or used.
     """
 
     scans: int = 0

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from grid_mapper.recordings.bag_events import open_bag_recording
 from grid_mapper.recordings.bag_files import is_bag
-from grid_mapper.recordings.carmen import open_carmen
+from grid_mapper.recordings.carmen import CARMEN_KINDS, open_carmen
 from grid_mapper.recordings.events import Recording, RecordingError, RecordingOptions
 from grid_mapper.recordings.mines_rover import is_mines_rover, open_mines_rover
 from grid_mapper.recordings.posegraph import open_posegraph
-from grid_mapper.recordings.text_lines import read_head
+from grid_mapper.recordings.text_lines import read_head, read_lines
 from grid_mapper.recordings.wean_hall import is_wean_hall, open_wean_hall
 
+Opener = Callable[[Path, RecordingOptions], Recording]
+NUM_LINES_BEHIND = 20
 SUPPORTED = (
-    "rosbag2 (sqlite3 or mcap, compressed or not), ROS 1 bag, CARMEN log (FLASER, ROBOTLASER1),"
-    " pose-graph log (VERTEX2, ROBOTLASER1, EDGE2), Wean Hall log (O, L), Mines rover log"
-    " (707 columns); text logs plain or gzip"
+    "rosbag2 (sqlite3 or mcap, compressed or not), ROS 1 bag, CARMEN log (FLASER, ROBOTLASER1,"
+    " RAWLASER1), pose-graph log (VERTEX2, ROBOTLASER1, EDGE2), Wean Hall log (O, L), Mines rover"
+    " log (707 columns); text logs plain or gzip"
 )
 
 
@@ -41,20 +44,35 @@ def open_recording(path: str | Path, options: RecordingOptions | None = None) ->
         raise RecordingError(f"{path} is empty")
     if is_bag(path):
         return open_bag_recording(path, options)
-    lines = _first_lines(path)
-    kinds = {words[0] for words in lines}
-    if "VERTEX2" in kinds:
-        return open_posegraph(path, options)
-    if kinds & {"FLASER", "ROBOTLASER1", "ODOM", "PARAM"}:
-        return open_carmen(path, options)
-    if any(is_wean_hall(words) for words in lines):
-        return open_wean_hall(path, options)
-    if any(is_mines_rover(words) for words in lines):
-        return open_mines_rover(path, options)
+    opener = _log_opener(path)
+    if opener is not None:
+        return opener(path, options)
     raise RecordingError(f"{path} is of no known format; known are: {SUPPORTED}")
 
 
-def _first_lines(path: Path) -> list[list[str]]:
-    """Return the lines at the start of a file as words; empty ones are left out."""
-    text = read_head(path).decode("utf-8", errors="replace")
-    return [words for line in text.splitlines() if (words := line.split())]
+def _log_opener(path: Path) -> Opener | None:
+    """Return what reads a text log; None if no line of it is of a known kind.
+
+    The first line of a known kind tells, but laser lines of a pose graph look as CARMEN's do: a
+    VERTEX2 among the next lines tells them apart.
+    """
+    if b"\x00" in read_head(path):
+        return None
+    opener: Opener | None = None
+    num_behind = 0
+    for words in (line.split() for line in read_lines(path, lambda problem: None)):
+        if words and words[0] == "VERTEX2":
+            return open_posegraph
+        opener = opener or (_opener_of(words) if words else None)
+        num_behind += opener is not None
+        if num_behind > NUM_LINES_BEHIND:
+            break
+    return opener
+
+
+def _opener_of(words: list[str]) -> Opener | None:
+    if words[0] in CARMEN_KINDS:
+        return open_carmen
+    if is_wean_hall(words):
+        return open_wean_hall
+    return open_mines_rover if is_mines_rover(words) else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from floornav_common.scan import Scan
@@ -41,6 +41,14 @@ def read_words(path: Path) -> LogText:
     problems: list[str] = []
     lines = [words for line in read_lines(path, problems.append) if (words := line.split())]
     return LogText(lines, problems[0] if problems else None)
+
+
+def limited(scan: Scan, options: RecordingOptions) -> Scan:
+    """Return the scan with the limits of its ranges that the user gave, if any."""
+    if options.range_limits_m is None:
+        return scan
+    low, high = options.range_limits_m
+    return replace(scan, range_min=low, range_max=high)
 
 
 def log_recording(
@@ -83,7 +91,7 @@ def log_recording(
         for entry in entries:
             jumped = watch.is_jump(entry.stamp_ns)
             T_odom_base = entry.T_odom_base if options.use_odom else None
-            scan = clean_scan(entry.scan)
+            scan = clean_scan(limited(entry.scan, options))
             yield ScanEvent(entry.stamp_ns, scan, T_base_laser, T_odom_base, jumped)
 
     info = [f"laser pose: {laser_info}", f"odometry: {odom_info}"]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import struct
 import sys
 from collections.abc import Iterator
-from io import BytesIO
+from dataclasses import dataclass
+from io import SEEK_END, BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
@@ -17,6 +18,7 @@ from rosbags.interfaces import (
     MessageDefinitionFormat,
 )
 from rosbags.rosbag2.metadata import parse_qos
+from rosbags.typesys.msg import normalize_msgtype
 
 from grid_mapper.recordings.bag_files import MCAP_MAGIC
 
@@ -25,12 +27,16 @@ if sys.version_info >= (3, 14):
 else:
     from backports import zstd
 
-SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x03, 0x04, 0x05, 0x06, 0x0F
+FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, DATA_END = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0F
 RECORD_HEAD = struct.Struct("<BQ")
 MESSAGE_HEAD = struct.Struct("<HIQQ")
 CHUNK_HEAD_BYTES = 28
 """Start and end time, size, checksum."""
-FORMATS = {"ros2msg": MessageDefinitionFormat.MSG, "ros2idl": MessageDefinitionFormat.IDL}
+FORMATS = {
+    "ros1msg": MessageDefinitionFormat.MSG,
+    "ros2msg": MessageDefinitionFormat.MSG,
+    "ros2idl": MessageDefinitionFormat.IDL,
+}
 
 
 class Fields:
@@ -67,22 +73,37 @@ class Fields:
         return self._data[self._at :]
 
 
-def scan_mcap(path: Path, connections: list[Connection]) -> Iterator[tuple[int, int, bytes]]:
+@dataclass
+class Ending:
+    """Whether the end of a file's data was reached, and something in it could not be read."""
+
+    is_reached: bool = False
+    is_broken: bool = False
+
+
+def scan_mcap(
+    path: Path, connections: list[Connection], ending: Ending
+) -> Iterator[tuple[int, int, bytes]]:
     """Yield channel id, log time (ns) and bytes of each message until the file ends or breaks.
 
     Args:
         path: An mcap file.
         connections: Channels are added as they are met.
+        ending: Noted when the data's end is reached.
     """
     schemas: dict[int, tuple[str, MessageDefinition]] = {}
     with path.open("rb") as stream:
         stream.seek(len(MCAP_MAGIC))
-        for code, data in _records(stream):
-            if code == DATA_END:
+        for code, data in _records(stream, ending):
+            if code in (DATA_END, FOOTER):
+                ending.is_reached = True
                 return
             try:
-                inner = _records(BytesIO(_unpacked(data))) if code == CHUNK else [(code, data)]
+                inner = (
+                    _records(BytesIO(_unpacked(data)), ending) if code == CHUNK else [(code, data)]
+                )
             except (struct.error, zstd.ZstdError, RuntimeError, ValueError):
+                ending.is_broken = True
                 return
             for inner_code, inner_data in inner:
                 fields = Fields(inner_data)
@@ -95,11 +116,15 @@ def scan_mcap(path: Path, connections: list[Connection]) -> Iterator[tuple[int, 
                     yield channel, log_time, inner_data[MESSAGE_HEAD.size :]
 
 
-def _records(stream: BinaryIO) -> Iterator[tuple[int, bytes]]:
+def _records(stream: BinaryIO, ending: Ending) -> Iterator[tuple[int, bytes]]:
     """Yield code and content of each complete record, and of a chunk that is cut off."""
+    begin = stream.tell()
+    end = stream.seek(0, SEEK_END)
+    stream.seek(begin)
     while len(head := stream.read(RECORD_HEAD.size)) == RECORD_HEAD.size:
         code, size = RECORD_HEAD.unpack(head)
-        data = stream.read(size)
+        data = stream.read(min(size, end))
+        ending.is_broken |= len(data) < size
         if len(data) < size and code != CHUNK:
             return
         yield code, data
@@ -121,7 +146,7 @@ def _unpacked(chunk: bytes) -> bytes:
 def _add_schema(fields: Fields, schemas: dict[int, tuple[str, MessageDefinition]]) -> None:
     number, name, encoding, text = fields.number("H"), fields.text(), fields.text(), fields.text()
     kind = FORMATS.get(encoding, MessageDefinitionFormat.NONE)
-    schemas[number] = (name, MessageDefinition(kind, text))
+    schemas[number] = (normalize_msgtype(name), MessageDefinition(kind, text))
 
 
 def _add_channel(

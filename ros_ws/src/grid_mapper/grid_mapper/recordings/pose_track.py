@@ -43,6 +43,13 @@ class PoseTrack:
         t0 = self._stamps[i - 1]
         return self._poses[i - 1].interpolate(pose1, (stamp_ns - t0) / (t1 - t0))
 
+    def gap_ns(self, stamp_ns: int) -> int:
+        """Return how far apart the poses are between which a time lies; 0 at or beyond one."""
+        i = bisect_left(self._stamps, stamp_ns)
+        if i in (0, len(self._stamps)) or self._stamps[i] == stamp_ns:
+            return 0
+        return self._stamps[i] - self._stamps[i - 1]
+
     def oldest_ns(self) -> int | None:
         """Return the first stamp; None while empty."""
         return self._stamps[0] if self._stamps else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import zlib
 from collections.abc import Callable, Iterator
+from io import TextIOWrapper
 from pathlib import Path
 
 from grid_mapper.recordings.events import RecordingError
@@ -25,7 +26,7 @@ def read_head(path: Path, num_bytes: int = 65536) -> bytes:
 
 
 def read_lines(path: Path, on_problem: Callable[[str], None]) -> Iterator[str]:
-    """Yield the lines of a log without their ends.
+    """Yield the lines of a log without their ends, be they of Unix, Windows or an old Mac.
 
     Args:
         path: A text file, plain or gzip-compressed.
@@ -35,9 +36,10 @@ def read_lines(path: Path, on_problem: Callable[[str], None]) -> Iterator[str]:
         is_gzip = raw.read(2) == GZIP_MAGIC
     number = 0
     with gzip.open(path, "rb") if is_gzip else path.open("rb") as stream:
+        text = TextIOWrapper(stream, encoding="utf-8-sig", errors="replace")
         try:
-            for line in stream:
+            for line in text:
                 number += 1
-                yield line.decode("utf-8", errors="replace").rstrip("\r\n")
+                yield line.rstrip("\n")
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
             on_problem(f"{path.name} is cut off or damaged after line {number}: {error}")
