@@ -31,7 +31,8 @@ def main() -> int:
         if not _built(Path(scratch)):
             print("colcon build failed")
             return 1
-        missing = [str(p) for p in wanted_files(Path(scratch) / "install") if not p.exists()]
+        install = Path(scratch) / "install"
+        missing = [str(p) for p in wanted_files() if not any(install.glob(str(p)))]
     packages = find_packages().values()
     if missing:
         print("missing after colcon build: " + ", ".join(missing))
@@ -41,16 +42,19 @@ def main() -> int:
     return 0
 
 
-def wanted_files(install: Path) -> list[Path]:
-    """Return what must be in an install space so that `ros2 run` finds each executable."""
+def wanted_files() -> list[Path]:
+    """Return patterns of what an install space must hold: for `ros2 run`, and all data files."""
     wanted = []
     for package in find_packages().values():
-        prefix = install / package.name
+        prefix = Path(package.name)
         wanted.append(prefix / "share/ament_index/resource_index/packages" / package.name)
         wanted.append(prefix / "share" / package.name / "package.xml")
         wanted += [prefix / "lib" / package.name / name for name in package.executables]
         config = package.folder / "config"
         wanted += [prefix / "share" / package.name / "config" / p.name for p in config.glob("*")]
+        inside = [p for p in (package.folder / package.name).rglob("*.*") if p.is_file()]
+        inside = [p.relative_to(package.folder) for p in inside if "__pycache__" not in p.parts]
+        wanted += [prefix / "lib" / "python3*" / "site-packages" / p for p in inside]
     return wanted
 
 

@@ -25,37 +25,40 @@ def pip_install(prefix, lock, report, error_class):
         error_class: Raised with pip's last words if it fails; the whole output is in
             `<prefix>/pip.log`.
     """
-    total = sum(1 for line in Path(lock).read_text().splitlines() if re.match(r"[A-Za-z0-9]", line))
     command = [str(Path(prefix) / "bin" / "python"), "-m", "pip", "install", "--require-hashes"]
-    command += [
-        "--no-input",
-        "--disable-pip-version-check",
-        "--progress-bar",
-        "off",
-        "-r",
-        str(lock),
-    ]
+    command += ["--no-input", "--disable-pip-version-check", "--progress-bar", "off"]
     environ = clean_child_environment()
     environ.update(PYTHONUNBUFFERED="1", PIP_NO_COLOR="1")
     environ.pop("PYTHONPATH", None)
     lines = []
-    num_fetched = 0
     pip = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environ, text=True
+        [*command, "-r", str(lock)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        env=environ,
+        text=True,
     )
     try:
         with pip, open(Path(prefix) / "pip.log", "w") as log:
-            for line in pip.stdout:
+            for line in _reported(pip.stdout, lock, report):
                 lines.append(line.rstrip())
                 log.write(line)
-                if line.startswith("Collecting "):
-                    num_fetched += 1
-                    report(f"{num_fetched} of about {total} packages fetched")
-                elif line.startswith("Installing collected"):
-                    report("unpacking")
     except BaseException:
         pip.kill()
         raise
     if pip.returncode != 0:
         words = [line for line in lines if line.strip() and not NOISE.match(line)]
         raise error_class("\n".join([f"pip failed ({prefix}/pip.log):", *words[-SHOWN_LINES:]]))
+
+
+def _reported(lines, lock, report):
+    """Pass on pip's lines, and report how far it is."""
+    total = sum(1 for line in Path(lock).read_text().splitlines() if re.match(r"[A-Za-z0-9]", line))
+    num_fetched = 0
+    for line in lines:
+        if line.startswith("Collecting "):
+            num_fetched += 1
+            report(f"{num_fetched} of about {total} packages fetched")
+        elif line.startswith("Installing collected"):
+            report("unpacking")
+        yield line

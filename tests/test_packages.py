@@ -24,6 +24,7 @@ PACKAGES = (
     "sjmc_planner",
 )
 VERSION = "0.1.0"
+SCRATCH = {"__pycache__", "build", "install", "log", ".mypy_cache"}
 # Import name -> rosdep key that noble resolves.
 ROSDEP_KEYS = {
     "cv2": "python3-opencv",
@@ -80,11 +81,16 @@ def imports(package: str) -> dict[str, Path]:
     return {n: p for n, p in found.items() if n not in sys.stdlib_module_names and n != package}
 
 
-def executables(package: str) -> dict[str, str]:
-    """Return the console scripts of a package: name -> "module:function"."""
+def setup_cfg(package: str) -> configparser.ConfigParser:
+    """Return setup.cfg of a package, parsed."""
     config = configparser.ConfigParser(interpolation=None)
     config.read(SOURCES / package / "setup.cfg")
-    text = config.get("options.entry_points", "console_scripts", fallback="")
+    return config
+
+
+def executables(package: str) -> dict[str, str]:
+    """Return the console scripts of a package: name -> "module:function"."""
+    text = setup_cfg(package).get("options.entry_points", "console_scripts", fallback="")
     return {a.strip(): b.strip() for a, b in (x.split("=") for x in text.splitlines() if "=" in x)}
 
 
@@ -114,16 +120,30 @@ def test_manifest_is_accepted_by_ros_tools(package: str) -> None:
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_setup_says_the_same_as_the_manifest(package: str) -> None:
-    text = (SOURCES / package / "setup.py").read_text()
-    assert f'PACKAGE = "{package}"' in text
-    assert f'version="{VERSION}"' in text
-    assert f'description="{manifest(package).findtext("description")}"' in text
+    metadata = setup_cfg(package)["metadata"]
+    assert metadata["name"] == package
+    for key in ("version", "description", "license"):
+        assert metadata[key] == manifest(package).findtext(key)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_data_file_is_installed(package: str) -> None:
+    """Folders beside the package go to share/<package>, files inside it go along with it."""
+    config, folder = setup_cfg(package), SOURCES / package
+    files = [p for p in folder.rglob("[!.]*") if p.is_file() and not SCRATCH & set(p.parts)]
+    inside = config.get("options.package_data", package, fallback="").split(",")
+    shared = config["options.data_files"].items()
+    for path in (p.relative_to(folder) for p in files if p.suffix not in (".py", ".pyc")):
+        if path.parts[0] == package:
+            assert any(path.relative_to(package).match(p.strip()) for p in inside), path
+        elif len(path.parts) > 1:
+            targets = [target for target, pattern in shared if path.match(pattern)]
+            assert targets == [str(Path("share", package, path.parent))] or "resource" in path.parts
 
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_executables_go_where_ros2_run_looks(package: str) -> None:
-    config = configparser.ConfigParser(interpolation=None)
-    config.read(SOURCES / package / "setup.cfg")
+    config = setup_cfg(package)
     assert config["develop"]["script_dir"] == f"$base/lib/{package}"
     assert config["install"]["install_scripts"] == f"$base/lib/{package}"
     assert config["build_scripts"]["executable"] == "/usr/bin/env python3"
