@@ -39,6 +39,10 @@ class SimBridgeConfig:
     enable_stamped_cmd_vel: bool = param(
         False, "Take TwistStamped instead of Twist on `cmd_vel`.", read_only=True
     )
+    sonar_topics: str = param(
+        "one", "`one`: all on `sonar`, told apart by frame; `each`: `sonar_0`, `sonar_1` ...",
+        choices=("one", "each"), read_only=True,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         validate(self)
@@ -90,7 +94,7 @@ class WheelConfig:
     """
 
     bearings_deg: tuple[float, ...] = param(
-        (), "Where omnidirectional wheels sit, seen from the middle; each drives across its bearing.",
+        (), "Where omnidirectional wheels sit; each drives across its bearing.",
         unit="deg",
     )  # fmt: skip
     mount_radius_m: float = param(

@@ -19,6 +19,7 @@ from floornav_common.ros.qos import (
 from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
 from floornav_common.transform3 import Transform3
 from sim_bridge.drive import Velocity
+from sim_bridge.nodes.sonar_port import SonarPort
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.ros_conversions import ground_truth_msg, odometry_msg, scan_msg, velocity_from_msg
 from sim_bridge.simulation import RobotObservation
@@ -32,6 +33,7 @@ class RobotPort:
         name: Name of the robot: its namespace below the node's, "" for none.
         model: Its model.
         is_stamped: True for TwistStamped on `cmd_vel`.
+        is_one_sonar_topic: True for all sonars on `sonar`, False for one topic each.
         tf: Where moving transforms go.
         tf_static: Where the sensor places go.
     """
@@ -43,6 +45,7 @@ class RobotPort:
         model: RobotModel,
         *,
         is_stamped: bool,
+        is_one_sonar_topic: bool,
         tf: TransformBroadcaster,
         tf_static: StaticTransformBroadcaster,
     ) -> None:
@@ -54,6 +57,7 @@ class RobotPort:
         self._odom = self._prefix + node.frames.odom_frame
         self._base = self._prefix + node.frames.base_frame
         self._scan_pub = create_publisher(node, LaserScan, f"{topic}scan", RELIABLE_QOS)
+        self._sonar = SonarPort(node, topic, self._prefix, model, is_one_topic=is_one_sonar_topic)
         self._odom_pub = create_publisher(node, Odometry, f"{topic}odom", RELIABLE_QOS)
         self._truth_pub = create_publisher(
             node, Odometry, f"{topic}ground_truth/odom", RELIABLE_QOS
@@ -90,6 +94,8 @@ class RobotPort:
         if seen.scan is not None and config.laser is not None:
             frame = self._prefix + config.laser.frame
             self._scan_pub.publish(scan_msg(seen.scan, config.laser, stamp_ns, frame))
+        if seen.sonar is not None:
+            self._sonar.publish(stamp_ns, seen.sonar)
         if seen.ground_truth.is_touching != self._was_touching:
             self._was_touching = seen.ground_truth.is_touching
             self._touch_pub.publish(Bool(data=self._was_touching))

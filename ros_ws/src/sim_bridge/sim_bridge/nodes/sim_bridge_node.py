@@ -1,8 +1,9 @@
 """A simulated world on ROS topics.
 
 In: `cmd_vel` (Twist, or TwistStamped with `enable_stamped_cmd_vel`) of each robot.
-Out: `scan`, `odom` (drifting), `ground_truth/odom`, `ground_truth/contact` (latched, on change),
-`robot_description` (latched), `/clock`, `/tf` odom->base_link, `/tf_static`.
+Out: `scan`, `sonar` (or one topic a sonar), `odom` (drifting), `ground_truth/odom`,
+`ground_truth/contact` (latched, on change), `robot_description` (latched), `/clock`,
+`/tf` odom->base_link, `/tf_static`.
 Services: `~/reset`, `~/step` (Trigger).
 
 A robot with a name has its topics below that name and the name as prefix of its frames. All
@@ -57,7 +58,15 @@ class SimBridgeNode(FloornavNode):
         tf, tf_static = TransformBroadcaster(self), StaticTransformBroadcaster(self)
         is_stamped = self._config.enable_stamped_cmd_vel
         self._ports = {
-            name: RobotPort(self, name, model, is_stamped=is_stamped, tf=tf, tf_static=tf_static)
+            name: RobotPort(
+                self,
+                name,
+                model,
+                is_stamped=is_stamped,
+                is_one_sonar_topic=self._config.sonar_topics == "one",
+                tf=tf,
+                tf_static=tf_static,
+            )
             for name, model in self._sim.models.items()
         }
         self._clock_pub = create_publisher(self, ClockMsg, "/clock", CLOCK_QOS)
