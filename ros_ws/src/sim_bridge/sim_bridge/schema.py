@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import types
+from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -32,6 +33,41 @@ def load_yaml(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise WorldError(f"{path}: expected a mapping, got {type(data).__name__}")
     return data
+
+
+def filled_in(data: dict[str, Any], given: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Return a file's mapping with every `$name` replaced by the parameter of that name.
+
+    Args:
+        data: The mapping; its own key `parameters` holds names and default values.
+        given: Values that replace the defaults.
+        where: Name of the file, for errors.
+
+    Raises:
+        WorldError: A name that the file does not have.
+    """
+    defaults = data.get("parameters", {})
+    if not isinstance(defaults, dict):
+        raise WorldError(f"{where}: parameters: expected a mapping, got {defaults!r}")
+    known = ", ".join(defaults) or "none"
+    for name in given:
+        if name not in defaults:
+            raise WorldError(f"{where}: no parameter named {name!r}; there are: {known}")
+    values = {**defaults, **given}
+
+    def fill(item: Any) -> Any:
+        if isinstance(item, dict):
+            return {key: fill(value) for key, value in item.items()}
+        if isinstance(item, list):
+            return [fill(value) for value in item]
+        if isinstance(item, str) and item.startswith("$"):
+            if item[1:] not in values:
+                raise WorldError(f"{where}: no parameter named {item[1:]!r}; there are: {known}")
+            return values[item[1:]]
+        return item
+
+    rest = {key: fill(value) for key, value in data.items() if key != "parameters"}
+    return {**rest, **({"parameters": values} if values else {})}
 
 
 def build(cls: type[T], data: Any, where: str) -> T:

@@ -87,16 +87,15 @@ def tracks_of(recording: Recording) -> list[Track]:
     """
     rows = read_obsmat(Path(recording.file).expanduser())
     low, high = np.array(recording.low_m), np.array(recording.high_m)
-    is_inside = ((rows[:, 2:] >= low) & (rows[:, 2:] <= high)).all(axis=1)
+    is_inside = np.all((rows[:, 2:] >= low) & (rows[:, 2:] <= high), axis=1)
     T = SE2(*recording.position_m, np.radians(recording.yaw_deg))
     visits = []
     for number in np.unique(rows[:, 1]):
-        own = rows[(rows[:, 1] == number)]
-        order = np.argsort(own[:, 0], kind="stable")
-        inside = is_inside[rows[:, 1] == number][order]
-        own = own[order]
+        index = np.flatnonzero(rows[:, 1] == number)
+        index = index[np.argsort(rows[index, 0], kind="stable")]
+        own = rows[index]
         times = own[:, 0] / recording.frames_per_s - recording.starts_s
-        for part in _runs(times, inside):
+        for part in _runs(times, is_inside[index]):
             if len(part) > 1 and times[part[-1]] > 0.0:
                 visits.append((times[part], T @ own[part, 2:], int(number)))
     return _in_slots(visits)
