@@ -13,6 +13,7 @@ import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from floornav_common.stop_signals import noticed_stop
 from grid_mapper.recordings import Recording, ScanEvent
 
 
@@ -84,14 +85,18 @@ def run_mapper(
     """
     run = MapRun()
     try:
-        for event in recording.events():
-            if not isinstance(event, ScanEvent):
-                run.num_ranges += 1
-                continue
-            if max_scans is not None and len(run.trajectory) >= max_scans:
-                break
-            _insert(run, mapper, event)
-            on_scan(run)
+        with noticed_stop() as should_stop:
+            for event in recording.events():
+                run.is_interrupted = should_stop()
+                if run.is_interrupted:
+                    break
+                if not isinstance(event, ScanEvent):
+                    run.num_ranges += 1
+                    continue
+                if max_scans is not None and len(run.trajectory) >= max_scans:
+                    break
+                _insert(run, mapper, event)
+                on_scan(run)
     except KeyboardInterrupt:
         run.is_interrupted = True
     return run
