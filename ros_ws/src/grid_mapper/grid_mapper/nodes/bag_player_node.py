@@ -11,6 +11,7 @@ from typing import Any
 from builtin_interfaces.msg import Time
 from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
 from floornav_common.ros.qos import CLOCK_QOS
@@ -45,6 +46,7 @@ class BagPlayerNode(Node):
         super().__init__("bag_player")
         self.unknown_types: dict[str, str] = {}
         self._publishers_by_topic: dict[str, Any] = {}
+        self._known_unfit: set[tuple[str, str, str]] = set()
         for topic in topics:
             found = message_class(topic.msgtype)
             if found is None:
@@ -68,6 +70,21 @@ class BagPlayerNode(Node):
         """How many topics have a subscriber."""
         return sum(p.get_subscription_count() > 0 for p in self._publishers_by_topic.values())
 
+    def unfit(self) -> list[str]:
+        """Return a line for each subscription that asks for more than is offered; each once."""
+        lines = []
+        for topic, publisher in self._publishers_by_topic.items():
+            for info in self.get_subscriptions_info_by_topic(publisher.topic_name):
+                policy = _missing_policy(publisher.qos_profile, info.qos_profile)
+                known = (topic, info.node_name, policy)
+                if policy and known not in self._known_unfit:
+                    self._known_unfit.add(known)
+                    lines.append(
+                        f"{info.node_name} gets nothing of {topic}: it asks for {policy}, the"
+                        " recorded publisher did not offer that; change it with --qos FILE"
+                    )
+        return lines
+
     def play(self, message: Message) -> None:
         """Publish a message's bytes."""
         self._publishers_by_topic[message.topic].publish(message.data)
@@ -82,3 +99,18 @@ class BagPlayerNode(Node):
         """Give reliable subscribers time to get the last messages."""
         for publisher in self._publishers_by_topic.values():
             publisher.wait_for_all_acked(Duration(seconds=ACK_TIMEOUT_S))
+
+
+def _missing_policy(offered: QoSProfile, asked: QoSProfile) -> str:
+    """Return the policy in which a subscription asks for more than is offered; "" if none."""
+    if (
+        asked.reliability == ReliabilityPolicy.RELIABLE
+        and offered.reliability == ReliabilityPolicy.BEST_EFFORT
+    ):
+        return "reliability: reliable"
+    if (
+        asked.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        and offered.durability == DurabilityPolicy.VOLATILE
+    ):
+        return "durability: transient_local"
+    return ""

@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 from floornav_common.progress import Progress, say
 from floornav_common.reporting import UserError
 from grid_mapper.nodes.bag_recorder_node import BagRecorderNode
-from grid_mapper.recordings.bag_writer import STORAGES, BagWriter
+from grid_mapper.recordings.bag_writer import STORAGES, WRITE_ERRORS, BagWriter
 
 SPIN_S = 0.1
 
@@ -35,7 +35,7 @@ def main(argv: list[str] | None = None) -> int:
         raise UserError(f"cannot write {path}: {error.strerror or error}") from error
     try:
         node = BagRecorderNode([] if args.all else args.topics, writer)
-        _record(node, writer, args.duration, args.quiet)
+        failure = _record(node, writer, args.duration, args.quiet)
         for name in node.missing:
             say(f"nobody published {name}", is_quiet=args.quiet)
         counts = dict(sorted(node.counts.items()))
@@ -49,7 +49,16 @@ def main(argv: list[str] | None = None) -> int:
         writer.abort()
         print("error: no message came, so no bag was written", file=sys.stderr)
         return 1
-    writer.close()
+    if failure is None:
+        try:
+            writer.close()
+        except WRITE_ERRORS as error:
+            failure = error
+    else:
+        writer.keep()
+    if failure is not None:
+        print(f"error: {path} is cut off, for it could not be written: {failure}", file=sys.stderr)
+        return 1
     lines = [f"  {count:6d}  {name}" for name, count in counts.items()]
     say("\n".join([*lines, f"{writer.num_messages} messages in {path}"]), is_quiet=args.quiet)
     return 0
@@ -94,7 +103,8 @@ def stop_on_signal() -> Callable[[], bool]:
 
 def _record(
     node: BagRecorderNode, writer: BagWriter, duration_s: float | None, is_quiet: bool
-) -> None:
+) -> Exception | None:
+    """Record until told to stop; return the error if the disk refuses to take more."""
     should_stop = stop_on_signal()
     executor = SingleThreadedExecutor()  # EventsExecutor hands no reception time to callbacks
     executor.add_node(node)
@@ -104,6 +114,10 @@ def _record(
             elapsed_s = time.monotonic() - started
             if duration_s is not None and elapsed_s >= duration_s:
                 break
-            executor.spin_once(timeout_sec=SPIN_S)
+            try:
+                executor.spin_once(timeout_sec=SPIN_S)
+            except WRITE_ERRORS as error:
+                return error
             progress.update(elapsed_s, f"{writer.num_messages} messages")
     executor.remove_node(node)
+    return None

@@ -28,6 +28,7 @@ from grid_mapper.recordings.playback import (
 
 DEFAULT_CLOCK_HZ = 100.0
 LONGEST_SLEEP_S = 0.05
+LOOK_PERIOD_S = 1.0
 SETTLE_S = 0.5
 MATCHED_S = 0.2
 """The other side finds the match a little later than we do."""
@@ -157,6 +158,7 @@ def _play_rounds(
     args: argparse.Namespace,
     should_stop: Callable[[], bool],
 ) -> None:
+    looked_s = 0.0
     length_s = (window.end_ns - window.start_ns) * 1e-9
     with Progress("replaying", length_s, is_quiet=args.quiet) as progress:
         while True:
@@ -166,6 +168,9 @@ def _play_rounds(
             for message in _in_time(bag, node, pace, should_stop):
                 node.play(message)
                 num_played += 1
+                if time.monotonic() - looked_s > LOOK_PERIOD_S:
+                    looked_s = time.monotonic()
+                    _warn(node)
                 done_s = (message.recorded_ns - window.start_ns) * 1e-9
                 progress.update(done_s, f"{done_s:.1f} s, {num_played} messages")
             pace.wait_for(window.end_ns, node.tick, should_stop)
@@ -173,6 +178,11 @@ def _play_rounds(
             progress.update(length_s, f"{length_s:.1f} s, {num_played} messages", is_last=True)
             if not args.loop:
                 return
+
+
+def _warn(node: BagPlayerNode) -> None:
+    for line in node.unfit():
+        print(f"warning: {line}", file=sys.stderr)
 
 
 def _in_time(

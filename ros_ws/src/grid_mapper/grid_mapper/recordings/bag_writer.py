@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
+import sqlite3
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +16,10 @@ from rosbags.typesys import Stores, get_typestore
 STORAGES = {"mcap": StoragePlugin.MCAP, "sqlite3": StoragePlugin.SQLITE3}
 METADATA_VERSION = 9
 """What Jazzy writes."""
+COMMIT_BYTES = 4 * 2**20
+"""A database keeps what it has committed when the disk fills up or the machine dies."""
+WRITE_ERRORS = (OSError, sqlite3.Error)
+"""What writing raises on a full disk."""
 UNKNOWN_HASH = "RIHS01_" + 64 * "0"
 
 
@@ -46,6 +52,7 @@ class BagWriter:
         )
         self._writer.open()
         self._connections: dict[str, Connection] = {}
+        self._num_uncommitted_bytes = 0
         self._store = get_typestore(Stores.ROS2_JAZZY)
 
     def add_topic(
@@ -80,14 +87,44 @@ class BagWriter:
 
         Raises:
             KeyError: If the topic was not announced.
+            OSError: If there is no room for it; or another of `WRITE_ERRORS`.
         """
         self._writer.write(self._connections[topic], recorded_ns, data)
         self.num_messages += 1
+        self._num_uncommitted_bytes += len(data)
+        if self._num_uncommitted_bytes > COMMIT_BYTES:
+            self._commit()
 
     def close(self) -> None:
-        """Complete the bag and move it to its place."""
+        """Complete the bag and move it to its place.
+
+        Raises:
+            OSError: If there is no room to complete it; or another of `WRITE_ERRORS`. What is on
+                the disk by then is kept.
+        """
         try:
             self._writer.close()
+        except WRITE_ERRORS:
+            self.keep()
+            raise
+        self._move()
+
+    def keep(self) -> None:
+        """Move what is on the disk to its place as it is: a bag that is cut off, but readable."""
+        with contextlib.suppress(*WRITE_ERRORS):
+            self._commit()
+        with contextlib.suppress(*WRITE_ERRORS):
+            self._writer.abort()
+        self._move()
+
+    def _commit(self) -> None:
+        connection = getattr(self._writer.storage, "conn", None)
+        if connection is not None:
+            connection.commit()
+        self._num_uncommitted_bytes = 0
+
+    def _move(self) -> None:
+        try:
             (self._folder / self.path.name).rename(self.path)
         finally:
             shutil.rmtree(self._folder, ignore_errors=True)
