@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 
 from floornav_common.ros.messages import ns_to_stamp, stamp_to_ns, transform_to_msg
 from floornav_common.ros.qos import (
@@ -137,15 +138,12 @@ class TransformBroadcaster:
 
     Args:
         node: Node to publish with.
+        topic: Another topic than /tf, for a robot with a TF topic of its own.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, topic: str = "/tf") -> None:
         """Create the publisher; says so once where tf2_msgs is missing."""
-        self._message = tf_message_type()
-        if self._message is None:
-            node.get_logger().error(NO_TF)
-            return
-        self._publisher = create_publisher(node, self._message, "/tf", TF_QOS)
+        self._publish = _tf_publish(node, topic, TF_QOS)
 
     def send(self, parent: str, child: str, stamp_ns: int, transform: Transform3) -> None:
         """Send `T_parent_child` of a stamp."""
@@ -153,11 +151,7 @@ class TransformBroadcaster:
 
     def send_all(self, transforms: Sequence[tuple[str, str, int, Transform3]]) -> None:
         """Send several (parent, child, stamp_ns, transform) in one message."""
-        if self._message is None:
-            return
-        msg = self._message()
-        msg.transforms = [_stamped(*each) for each in transforms]
-        self._publisher.publish(msg)
+        self._publish([_stamped(*each) for each in transforms])
 
 
 class StaticTransformBroadcaster:
@@ -165,25 +159,28 @@ class StaticTransformBroadcaster:
 
     Args:
         node: Node to publish with.
+        topic: Another topic than /tf_static, for a robot with a TF topic of its own.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, topic: str = "/tf_static") -> None:
         """Create the publisher; says so once where tf2_msgs is missing."""
-        self._message = tf_message_type()
         self._sent: dict[str, Any] = {}
-        if self._message is None:
-            node.get_logger().error(NO_TF)
-            return
-        self._publisher = create_publisher(node, self._message, "/tf_static", LATCHED_QOS)
+        self._publish = _tf_publish(node, topic, LATCHED_QOS)
 
     def send(self, parent: str, child: str, stamp_ns: int, transform: Transform3) -> None:
         """Send `T_parent_child`, together with all sent before."""
-        if self._message is None:
-            return
         self._sent[child] = _stamped(parent, child, stamp_ns, transform)
-        msg = self._message()
-        msg.transforms = list(self._sent.values())
-        self._publisher.publish(msg)
+        self._publish(list(self._sent.values()))
+
+
+def _tf_publish(node: Node, topic: str, qos: QoSProfile) -> Callable[[list[Any]], None]:
+    """Return what publishes transforms in one message; nothing, said once, without tf2_msgs."""
+    message = tf_message_type()
+    if message is None:
+        node.get_logger().error(NO_TF)
+        return lambda transforms: None
+    publisher = create_publisher(node, message, topic, qos)
+    return lambda transforms: publisher.publish(message(transforms=transforms))
 
 
 def _stamped(parent: str, child: str, stamp_ns: int, transform: Transform3) -> Any:
