@@ -6,7 +6,7 @@ from worlds import drive_around, scan_at, square_room
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
-from grid_mapper.config import GridMapperConfig
+from grid_mapper.config import GridMapperConfig, KeyScanConfig
 from grid_mapper.mapper import GridMapper
 
 T_BASE_LASER = SE2(0.1, 0.0, 0.2)
@@ -117,10 +117,18 @@ def test_a_pose_told_from_outside_is_settled_by_the_next_scan():
 
 
 def test_a_robot_that_stands_still_fills_the_map_no_faster_than_its_key_period():
-    mapper = GridMapper(GridMapperConfig(key_period_s=5.0))
-    scan = scan_at(T_BASE_LASER, square_room())
-    keys = [
-        mapper.insert_scan(k * HALF_SECOND_NS, scan, T_BASE_LASER, SE2.identity()).is_key_scan
-        for k in range(31)
-    ]
-    assert [k for k, is_key in enumerate(keys) if is_key] == [0, 10, 20, 30]
+    mapper = GridMapper(GridMapperConfig(map_key=KeyScanConfig(period_s=5.0)))
+    scan, counts = scan_at(T_BASE_LASER, square_room()), []
+    for k in range(31):
+        mapper.insert_scan(k * HALF_SECOND_NS, scan, T_BASE_LASER, SE2.identity())
+        counts.append(mapper.num_key_scans)
+    assert [counts[k] for k in (0, 9, 10, 19, 20, 30)] == [1, 1, 2, 2, 3, 4]
+
+
+def test_the_map_can_be_sparser_than_what_scans_are_matched_to():
+    """The published map of few stops needs poses that do not suffer from them."""
+    truth = drive_around()
+    config = GridMapperConfig(map_key=KeyScanConfig(distance_m=1.0, turn_rad=9.0, period_s=0.0))
+    mapper, results = run(truth, slipping(truth, 0.1), GridMapper(config, truth[0]))
+    assert mapper.num_key_scans < 8
+    assert worst(truth, results)[0] < 0.03

@@ -100,8 +100,29 @@ class MotionConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class KeyScanConfig:
+    """When a scan is kept."""
+
+    distance_m: float = param(
+        0.2, "A scan is kept when the robot moved this far since the last one.", unit="m", ge=0.0
+    )
+    turn_rad: float = param(
+        0.2, "A scan is kept when the robot turned this far.", unit="rad", ge=0.0
+    )
+    period_s: float = param(
+        5.0, "A scan is kept when this time has passed; 0 never.", unit="s", ge=0.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
 class GridMapperConfig:
-    """The laser mapper."""
+    """The laser mapper.
+
+    `match_key` says which scans the next ones are matched to, `map_key` which enter the grid.
+    """
 
     resolution_m: float = param(
         0.05, "Edge of a map cell.", unit="m", gt=0.0, le=1.0, read_only=True
@@ -110,16 +131,6 @@ class GridMapperConfig:
         "label", "Map rule: the published labels, or the log-odds that the field uses.",
         choices=("label", "log_odds"), read_only=True,
     )  # fmt: skip
-    key_distance_m: float = param(
-        0.2, "A scan enters the map when the robot moved this far since the last one that did.",
-        unit="m", ge=0.0,
-    )  # fmt: skip
-    key_turn_rad: float = param(
-        0.2, "A scan enters the map when the robot turned this far.", unit="rad", ge=0.0
-    )
-    key_period_s: float = param(
-        5.0, "A scan enters the map when this time has passed; 0 never.", unit="s", ge=0.0
-    )
     min_range_m: float = param(
         0.0, "Shorter readings are left out, beside the scan's own range_min.", unit="m", ge=0.0
     )
@@ -143,6 +154,8 @@ class GridMapperConfig:
         unit="deviations",
         gt=0.0,
     )
+    match_key: KeyScanConfig = field(default_factory=KeyScanConfig)
+    map_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
     motion: MotionConfig = field(default_factory=MotionConfig)
     label: LabelGridConfig = field(default_factory=LabelGridConfig)

@@ -6,13 +6,14 @@ and judged; key scans are added to that map.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
+from grid_mapper.key_scans import KeyScans
 from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
 from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
 from grid_mapper.surface_points import SurfacePoints, surface_points
@@ -31,7 +32,6 @@ class ScanResult:
         cov: Of (x, y, yaw) in map axes, shape (3, 3), SI.
         is_trusted: False where the match was refused and the pose is the prediction.
         reason: Why it was refused; "" if trusted.
-        is_key_scan: True if the scan entered the map.
         overlap: Share of the scan's points that found the map, 0..1; 1 for the first scan.
     """
 
@@ -39,7 +39,6 @@ class ScanResult:
     cov: np.ndarray
     is_trusted: bool
     reason: str
-    is_key_scan: bool
     overlap: float
 
 
@@ -63,7 +62,7 @@ class ScanLocalizer:
         self._T_map_start = T_map_start or SE2.identity()
         self._matcher = ScanMatcher(config.matcher)
         self._last: _Step | None = None
-        self._key: tuple[int, SE2] | None = None
+        self._keys = KeyScans()
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Go on with other values; those marked read-only stay as they were."""
@@ -88,12 +87,11 @@ class ScanLocalizer:
         else:
             match = self._matcher.match(points, T_pred, cov_pred)
             result = self._judge(match, len(points), T_pred, cov_pred)
-        is_key = result.is_trusted and self._is_key(stamp_ns, result.T_map_base)
-        if is_key:
-            self._matcher.insert(points, result.T_map_base)
-            self._key = (stamp_ns, result.T_map_base)
+        pose = result.T_map_base
+        if result.is_trusted and self._keys.take(stamp_ns, pose, self.config.match_key):
+            self._matcher.insert(points, pose)
         self._remember(stamp_ns, T_odom_base, result, dt)
-        return replace(result, is_key_scan=is_key)
+        return result
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
         """Go on from another pose, as told from outside; the next scan settles it.
@@ -145,8 +143,8 @@ class ScanLocalizer:
     def _first(self, num_points: int, T_pred: SE2, cov: np.ndarray) -> ScanResult:
         if num_points < self.config.min_pairs:
             reason = f"only {num_points} points in the first scan"
-            return ScanResult(T_pred, cov, False, reason, False, 0.0)
-        return ScanResult(T_pred, cov, True, "", True, 1.0)
+            return ScanResult(T_pred, cov, False, reason, 0.0)
+        return ScanResult(T_pred, cov, True, "", 1.0)
 
     def _judge(
         self, match: MatchResult, num_points: int, T_pred: SE2, cov_pred: np.ndarray
@@ -162,20 +160,9 @@ class ScanLocalizer:
         elif match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
             reason = f"a match of few points is {sigmas:.1f} deviations from the prediction"
         if reason:
-            return ScanResult(T_pred, cov_pred, False, reason, False, match.overlap)
+            return ScanResult(T_pred, cov_pred, False, reason, match.overlap)
         cov = np.linalg.inv(np.linalg.inv(cov_pred) + match.information)
-        return ScanResult(match.T_map_base, cov, True, "", False, match.overlap)
-
-    def _is_key(self, stamp_ns: int, T_map_base: SE2) -> bool:
-        if self._key is None:
-            return True
-        key_ns, key_pose = self._key
-        moved, period = key_pose.between(T_map_base), self.config.key_period_s
-        return (
-            moved.distance >= self.config.key_distance_m
-            or abs(moved.yaw) >= self.config.key_turn_rad
-            or (period > 0.0 and stamp_ns - key_ns >= period * 1e9)
-        )
+        return ScanResult(match.T_map_base, cov, True, "", match.overlap)
 
     def _remember(
         self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, dt: float

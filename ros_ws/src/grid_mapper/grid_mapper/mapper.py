@@ -10,6 +10,7 @@ from floornav_common.grid import OccupancyMap
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
+from grid_mapper.key_scans import KeyScans
 from grid_mapper.label_grid import LabelGrid
 from grid_mapper.localizer import ScanLocalizer, ScanResult
 from grid_mapper.log_odds import LogOddsGrid
@@ -21,6 +22,7 @@ class GridMapper:
     Attributes:
         config: Its values; change them with `reconfigure`.
         grid: The grid by the rule chosen.
+        num_key_scans: Scans that entered the grid.
     """
 
     def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
@@ -33,6 +35,8 @@ class GridMapper:
         """Forget the map and the pose."""
         config = self.config
         self._localizer = ScanLocalizer(config, self._T_map_start)
+        self._keys = KeyScans()
+        self.num_key_scans = 0
         self.grid: LabelGrid | LogOddsGrid = (
             LabelGrid(config.label, config.resolution_m)
             if config.grid == "label"
@@ -61,8 +65,10 @@ class GridMapper:
         """
         scan = self._clipped(scan)
         result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
-        if result.is_key_scan:
-            self.grid.add_scan(scan, result.T_map_base @ T_base_laser)
+        pose = result.T_map_base
+        if result.is_trusted and self._keys.take(stamp_ns, pose, self.config.map_key):
+            self.grid.add_scan(scan, pose @ T_base_laser)
+            self.num_key_scans += 1
         return result
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:

@@ -88,7 +88,7 @@ class GridMapperNode(FloornavNode):
     def _forget(self) -> None:
         self._tracking, self._path = Tracking(), PathThinner()
         self._num_scans = self._num_trusted = 0
-        self._worst_ms, self._reason, self._is_changed = 0.0, "no scan yet", False
+        self._worst_ms, self._reason, self._num_published = 0.0, "no scan yet", 0
 
     def _set_config(self, config: GridMapperNodeConfig) -> None:
         self._config = config
@@ -120,7 +120,6 @@ class GridMapperNode(FloornavNode):
         """Publish the pose of a scan, unless the robot is lost."""
         self._num_scans += 1
         self._num_trusted += result.is_trusted
-        self._is_changed |= result.is_key_scan
         self._reason = result.reason
         self._tracking.update(stamp_ns, result.is_trusted, self._config.lost_after_s)
         is_lost = self._tracking.is_lost
@@ -135,9 +134,9 @@ class GridMapperNode(FloornavNode):
             )
 
     def _publish_map(self) -> None:
-        if not self._is_changed:
+        if self._mapper.num_key_scans == self._num_published:
             return
-        self._is_changed = False
+        self._num_published = self._mapper.num_key_scans
         stamp = messages.ns_to_stamp(self._path.poses()[-1][0])
         grid = self._mapper.occupancy()
         self._map_pub.publish(messages.grid_to_msg(grid, stamp, self.frames.map))
