@@ -14,10 +14,18 @@ class SimBridgeConfig:
     world: str = param(
         "furnished_floor", "Name of a world of the package, or path of a YAML file.", read_only=True
     )
+    world_parameters: tuple[str, ...] = param(
+        (), "Figures that the world file names, as `name=value`.", read_only=True
+    )
     seed: int = param(0, "Seed of every random number.", ge=0, read_only=True)
+    tf_scheme: str = param(
+        "prefix", "Robots with names: `prefix`: one /tf, frames such as r1/odom; `topic`: plain "
+        "frames on r1/tf and r1/tf_static.", choices=("prefix", "topic"), read_only=True,
+    )  # fmt: skip
     real_time_factor: float = param(
         1.0, "Simulated seconds in a second; 0 = as fast as it goes.", ge=0.0, le=1000.0
     )
+    paused: bool = param(False, "Time stands still; `~/step` still goes on.")
     lockstep: bool = param(False, "Go on only when `~/step` is called.")
     step_s: float = param(0.1, "How far `~/step` goes.", unit="s", ge=0.01, le=60.0)
     clock_period_s: float = param(0.02, "Simulated time between `/clock` messages.", unit="s", gt=0)
@@ -28,6 +36,10 @@ class SimBridgeConfig:
     pace_topics: tuple[str, ...] = param(
         (), "Topics that time waits for, such as `cmd_vel` and `pose`; none = no waiting.",
         read_only=True,
+    )  # fmt: skip
+    pace_nodes: tuple[str, ...] = param(
+        (), "Nodes whose answers time waits for, by name; an answer is a message on any of their "
+        "topics but images, maps and what every node has.", read_only=True,
     )  # fmt: skip
     pace_lag_s: float = param(
         0.2, "How far time may run ahead of the last answer.", unit="s", gt=0.0, read_only=True

@@ -64,8 +64,8 @@ class Pace:
         self._waiting_since: float | None = None
 
     def heard(self, topic: str, stamp_ns: int) -> None:
-        """Note an answer at a simulated time."""
-        self._answered_ns[topic] = stamp_ns
+        """Note an answer at a simulated time; an older one after a newer changes nothing."""
+        self._answered_ns[topic] = max(stamp_ns, self._answered_ns[topic] or 0)
 
     def restart(self) -> None:
         """Forget all answers: time went back to its start."""

@@ -7,6 +7,7 @@ and height and tilt are put back. A robot against a wall stands while its wheels
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ class Physics:
         solids: The scenery.
         robots: Model and start pose of each robot.
         dt: Length of a step, s.
+        movers: Solids that are put somewhere each step (people); nothing pushes them.
         has_window: True opens pybullet's window.
     """
 
@@ -42,6 +44,7 @@ class Physics:
         robots: dict[str, tuple[RobotModel, SE2]],
         dt: float,
         *,
+        movers: Sequence[Solid] = (),
         has_window: bool = False,
     ) -> None:
         self._engine, self._client = connect(has_window)
@@ -53,6 +56,7 @@ class Physics:
         self._floor = self._add_solid(_floor())
         for solid in solids:
             self._add_solid(solid)
+        self._movers = [(self._add_solid(m), m.bottom + m.size[2] / 2.0) for m in movers]
         for name, (model, pose) in robots.items():
             self._add_robot(name, model, pose)
         engine = self._engine
@@ -79,6 +83,14 @@ class Physics:
         self._engine.stepSimulation(physicsClientId=self._client)
         for name in velocities:
             self._set_pose(name, self.pose(name))
+
+
+    def place_movers(self, places: np.ndarray) -> None:
+        """Put each mover somewhere: x, y and how far above its height, (movers, 3), m."""
+        for (body, height), (x, y, z) in zip(self._movers, places.tolist(), strict=True):
+            self._engine.resetBasePositionAndOrientation(
+                body, (x, y, height + z), (0.0, 0.0, 0.0, 1.0), physicsClientId=self._client
+            )
 
     def pose(self, name: str) -> SE2:
         """Return where a robot truly is."""

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from floornav_common.readings import OdometryReading
-from floornav_common.ros.messages import ns_to_stamp, odometry_to_msg, scan_to_msg
+from floornav_common.ros.messages import (
+    ns_to_stamp,
+    odometry_to_msg,
+    poses_to_msg,
+    scan_to_msg,
+)
 from floornav_common.scan import Scan
 from sim_bridge.config import LaserConfig, OdometryConfig
 from sim_bridge.drive import Velocity
+from sim_bridge.people.people import PersonTruth
 from sim_bridge.simulation import GroundTruth
 from sim_bridge.wheels import OdometryState
 
@@ -50,3 +57,9 @@ def scan_msg(scan: Scan, config: LaserConfig, stamp_ns: int, frame: str) -> Any:
 
     header = Header(stamp=ns_to_stamp(stamp_ns), frame_id=frame)
     return scan_to_msg(scan, header, scan_time=config.period_s)
+
+
+def people_msg(people: Sequence[PersonTruth], stamp_ns: int) -> Any:
+    """Return where people are in the world as PoseArray, in a frame that TF does not have."""
+    poses = [person.pose for person in people]
+    return poses_to_msg(poses, ns_to_stamp(stamp_ns), GROUND_TRUTH_FRAME)

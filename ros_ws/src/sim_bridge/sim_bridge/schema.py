@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -68,6 +68,24 @@ def filled_in(data: dict[str, Any], given: Mapping[str, Any], where: str) -> dic
 
     rest = {key: fill(value) for key, value in data.items() if key != "parameters"}
     return {**rest, **({"parameters": values} if values else {})}
+
+
+def parsed_parameters(texts: Sequence[str]) -> dict[str, Any]:
+    """Return `name=value` texts as a mapping; the values are read as YAML.
+
+    Raises:
+        WorldError: A text without name or value.
+    """
+    values = {}
+    for text in texts:
+        name, sign, value = text.partition("=")
+        if not name.strip() or not sign or not value.strip():
+            raise WorldError(f"a parameter of the world must be name=value, got {text!r}")
+        try:
+            values[name.strip()] = yaml.safe_load(value)
+        except yaml.YAMLError as error:
+            raise WorldError(f"parameter {name}: not YAML: {value!r}") from error
+    return values
 
 
 def build(cls: type[T], data: Any, where: str) -> T:

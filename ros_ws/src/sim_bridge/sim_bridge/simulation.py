@@ -14,11 +14,13 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sim_bridge.drive import DriveState, Velocity, drive_step, refusal
 from sim_bridge.panes import panes_of
+from sim_bridge.people.people import People, PersonTruth, disk_of
 from sim_bridge.physics import Physics
+from sim_bridge.placement import require_free
 from sim_bridge.ranging import RangeSensors, is_due
-from sim_bridge.robot_model import RobotModel, load_robot
+from sim_bridge.robot_model import load_robot
 from sim_bridge.schema import WorldError
-from sim_bridge.solids import Solid, moved, solids_of
+from sim_bridge.solids import moved, solids_of
 from sim_bridge.wheels import (
     OdometryState,
     WheelState,
@@ -68,10 +70,17 @@ class RobotObservation:
 
 @dataclass(frozen=True)
 class Observations:
-    """All robots at one instant of simulated time."""
+    """All robots at one instant of simulated time.
+
+    Attributes:
+        stamp_ns: The instant.
+        robots: What each robot's sensors gave, by name.
+        ground_truth_people: Where people are; for judges only.
+    """
 
     stamp_ns: int
     robots: dict[str, RobotObservation]
+    ground_truth_people: tuple[PersonTruth, ...] = ()
 
 
 @dataclass
@@ -109,10 +118,12 @@ class Simulation:
         self.solids = moved(solids_of(world), T)
         self.models = {placed.name: load_robot(placed) for placed in world.robots}
         self.starts = {placed.name: T @ placed.pose for placed in world.robots}
-        for name, model in self.models.items():
-            _require_free(name, model, self.starts[name], self.solids)
+        require_free(self.models, self.starts, self.solids)
         robots = {name: (model, self.starts[name]) for name, model in self.models.items()}
-        self._physics = Physics(self.solids, robots, STEP_NS * 1e-9, has_window=has_window)
+        self._people = _people_of(world, T)
+        self._physics = Physics(
+            self.solids, robots, STEP_NS * 1e-9, movers=self._people.parts, has_window=has_window
+        )
         self._panes = panes_of(self.solids)
         self._seed = seed
         self._states: dict[str, _RobotState] = {}
@@ -124,11 +135,19 @@ class Simulation:
         self._seed = self._seed if seed is None else seed
         self.stamp_ns = 0
         self._physics.reset()
+        self._people.reset(self._seed)
+        self._physics.place_movers(self._people.places())
+        self._velocities = dict.fromkeys(self.models, (0.0, 0.0))
         self._states = {name: self._first_state(name) for name in self.models}
         self._ranging = {
             name: RangeSensors(name, model, self._panes, STEP_NS, self._seed)
             for name, model in self.models.items()
         }
+
+    @property
+    def has_people(self) -> bool:
+        """Tell whether people may come."""
+        return self._people.num > 0
 
     def close(self) -> None:
         """Free the physics engine."""
@@ -162,12 +181,27 @@ class Simulation:
                 config.wheels, state.wheels, state.drive.velocity, dt, state.rng_wheels
             )
         before = {name: self._physics.pose(name) for name in self.models}
+        self._move_people(before)
         self._physics.step(floor)
         self.stamp_ns += STEP_NS
         robots = {
             name: self._observe(name, commands.get(name), before[name]) for name in self.models
         }
-        return Observations(self.stamp_ns, robots)
+        for name, seen in robots.items():
+            pose = seen.ground_truth.pose
+            self._velocities[name] = (
+                (pose.x - before[name].x) / dt, (pose.y - before[name].y) / dt
+            )  # fmt: skip
+        return Observations(self.stamp_ns, robots, self._people.truth())
+
+    def _move_people(self, poses: dict[str, SE2]) -> None:
+        if self._people.num:
+            robots = [
+                disk_of(self.models[name].config.footprint_m, pose, self._velocities[name])
+                for name, pose in poses.items()
+            ]
+            self._people.step(self.stamp_ns, STEP_NS * 1e-9, robots)
+            self._physics.place_movers(self._people.places())
 
     def _observe(self, name: str, command: Velocity | None, before: SE2) -> RobotObservation:
         config = self.models[name].config
@@ -198,6 +232,18 @@ class Simulation:
         wheels = first_wheel_state(self.models[name].config.wheels, rng_wheels)
         odometry = first_odometry(self.models[name].config.wheels)
         return _RobotState(DriveState(), wheels, odometry, 0, rng_wheels)
+
+
+def _people_of(world: World, T_new_old: SE2) -> People:
+    try:
+        return People(
+            world.people_model, world.people, world.crowd, world.recorded_people,
+            solids_of(world), T_new_old,
+        )  # fmt: skip
+    except WorldError:
+        raise
+    except ValueError as error:
+        raise WorldError(f"{world.name}: {error}") from error
 
 
 def _mean_velocity(motion: SE2, dt: float) -> Velocity:

@@ -7,6 +7,8 @@ SI. Every key is a field below; a field without default is required; unknown key
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
@@ -15,7 +17,9 @@ from typing import Any
 from floornav_common.se2 import SE2
 from sim_bridge.glass import Frame, Glass
 from sim_bridge.measures import Measure
-from sim_bridge.schema import WorldError, build, load_yaml
+from sim_bridge.people.config import PeopleConfig
+from sim_bridge.people.schema import Crowd, Recording, WalkerPlan
+from sim_bridge.schema import WorldError, build, filled_in, load_yaml
 
 Point = tuple[float, float]
 Size = tuple[float, float, float]
@@ -122,6 +126,13 @@ class RobotPlacement:
     name: str = ""
     overrides: dict[str, Any] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        if self.name and not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", self.name):
+            raise ValueError(
+                f"name must be letters, digits and _, a letter first (it becomes a namespace), "
+                f"got {self.name!r}"
+            )
+
     @property
     def pose(self) -> SE2:
         """Start pose in the world."""
@@ -150,6 +161,11 @@ class World:
     robots: tuple[RobotPlacement, ...] = ()
     route: Route | None = None
     measures: tuple[Measure, ...] = ()
+    people: tuple[WalkerPlan, ...] = ()
+    crowd: Crowd | None = None
+    recorded_people: Recording | None = None
+    people_model: PeopleConfig = PeopleConfig()
+    parameters: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for item in (*self.tables, *self.shelves):
@@ -159,6 +175,10 @@ class World:
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"two robots have the name {name!r}")
+        people = [person.name for person in self.people]
+        for name in people:
+            if people.count(name) > 1:
+                raise ValueError(f"two people have the name {name!r}")
 
 
 def world_names() -> list[str]:
@@ -167,8 +187,11 @@ def world_names() -> list[str]:
     return sorted(f.name[: -len(".yaml")] for f in folder.iterdir() if f.name.endswith(".yaml"))
 
 
-def load_world(name_or_path: str | Path) -> World:
+def load_world(name_or_path: str | Path, parameters: Mapping[str, Any] | None = None) -> World:
     """Load a world of the package by name, or any YAML file by path.
+
+    A file may name figures under `parameters` and use them as `$name`; those given here replace
+    the file's.
 
     `generated:SEED:GLASS_SHARE` is a floor made by `sim_bridge.generator`.
 
@@ -185,7 +208,8 @@ def load_world(name_or_path: str | Path) -> World:
             known = ", ".join(world_names())
             raise WorldError(f"no world named {str(name_or_path)!r}; there are: {known}")
         path = Path(str(resources.files("sim_bridge") / "worlds" / f"{name_or_path}.yaml"))
-    return build(World, load_yaml(path), path.name)
+    data = filled_in(load_yaml(path), parameters or {}, path.name)
+    return build(World, data, path.name)
 
 
 def _require_positive(**values: float) -> None:

@@ -1,30 +1,27 @@
-"""Hears the topics that simulated time waits for, whatever their types, and finds who listens."""
+"""Lets simulated time wait: first for those who should listen, then for those who answer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
-from typing import Any
 
-from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.node import FloornavNode
-from floornav_common.ros.qos import SENSOR_QOS
 from floornav_common.time_watch import Throttle
 from sim_bridge.config import SimBridgeConfig
+from sim_bridge.nodes.answers import Answers
 from sim_bridge.pacing import Audience, Pace
 
-_LOOK_PERIOD_S = 0.5
+_LOOK_PERIOD_S = 0.1
 _SETTLE_S = 1.0
 _WARN_PERIOD_NS = 5_000_000_000
 _NOT_FOR_US = ("/rosout", "/parameter_events", "/diagnostics")
 
 
 class PacingListener:
-    """Feeds an `Audience` from the graph and a `Pace` from topics as their publishers appear.
+    """Feeds an `Audience` from the graph and a `Pace` from the answers that come.
 
     Args:
         node: The node.
-        config: Topics and limits.
+        config: Topics, nodes and limits.
         stamp_ns: Where simulated time is read.
     """
 
@@ -33,14 +30,17 @@ class PacingListener:
     ) -> None:
         """Wait for publishers."""
         self._node, self._stamp_ns = node, stamp_ns
-        self._pace = Pace(config.pace_topics, config.pace_lag_s, config.pace_timeout_s)
-        self._unknown = {topic: node.resolve_topic_name(topic) for topic in config.pace_topics}
+        waited_for = (*config.pace_topics, *config.pace_nodes)
+        self._pace = Pace(waited_for, config.pace_lag_s, config.pace_timeout_s)
+        self._answers = Answers(node, config, self._pace, stamp_ns) if waited_for else None
         self._audience = self._make_audience(config)
         self._warnings = Throttle(_WARN_PERIOD_NS)
         self._next_look = 0.0
-        if self._unknown:
-            clock = node.time.steady_clock
-            self._timer = node.create_timer(_LOOK_PERIOD_S, self._look, clock=clock)
+
+    @property
+    def is_in_use(self) -> bool:
+        """Tell whether answers are waited for."""
+        return self._answers is not None
 
     def may_go_on(self, now: float) -> bool:
         """Tell whether time may go on, at a steady time (s)."""
@@ -63,7 +63,7 @@ class PacingListener:
     def _is_audience_there(self, audience: Audience, now: float) -> bool:
         if now < self._next_look:
             return False
-        self._next_look = now + _LOOK_PERIOD_S / 5
+        self._next_look = now + _LOOK_PERIOD_S
         names, num_known, num_matched = set(), 0, 0
         for publisher in self._node.publishers:
             if publisher.topic_name not in _NOT_FOR_US:
@@ -78,22 +78,3 @@ class PacingListener:
             text = f"time waits for {', '.join(audience.missing)} to listen"
             self._node.get_logger().info(text)
         return False
-
-    def _look(self) -> None:
-        types = dict(self._node.get_topic_names_and_types())
-        for topic, full_name in list(self._unknown.items()):
-            if full_name in types and self._node.count_publishers(full_name):
-                del self._unknown[topic]
-                self._subscribe(topic, types[full_name][0])
-
-    def _subscribe(self, topic: str, type_name: str) -> None:
-        def on_message(msg: Any) -> None:
-            # A stamp says which instant is answered; without one it is the present.
-            header = getattr(msg, "header", None)
-            now_ns = self._stamp_ns()
-            stamp_ns = now_ns if header is None else stamp_to_ns(header.stamp)
-            self._pace.heard(topic, min(stamp_ns, now_ns))
-
-        package, _, name = type_name.partition("/msg/")
-        msg_type = getattr(import_module(f"{package}.msg"), name)
-        self._node.create_subscription(msg_type, topic, on_message, SENSOR_QOS)

@@ -36,6 +36,7 @@ class RobotPort:
         is_one_sonar_topic: True for all sonars on `sonar`, False for one topic each.
         tf: Where moving transforms go.
         tf_static: Where the sensor places go.
+        frame_prefix: Stands before the names of its frames.
     """
 
     def __init__(
@@ -48,12 +49,13 @@ class RobotPort:
         is_one_sonar_topic: bool,
         tf: TransformBroadcaster,
         tf_static: StaticTransformBroadcaster,
+        frame_prefix: str,
     ) -> None:
         """Create the topics, send the description and the sensor places."""
         self._node, self._model, self._tf = node, model, tf
         topic = f"{name}/" if name else ""
         self._topic = topic
-        self._prefix = node.frames.frame_prefix + topic
+        self._prefix = frame_prefix
         self._odom = self._prefix + node.frames.odom_frame
         self._base = self._prefix + node.frames.base_frame
         self._scan_pub = create_publisher(node, LaserScan, f"{topic}scan", RELIABLE_QOS)

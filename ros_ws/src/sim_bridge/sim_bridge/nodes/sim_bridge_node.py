@@ -2,13 +2,13 @@
 
 In: `cmd_vel` (Twist, or TwistStamped with `enable_stamped_cmd_vel`) of each robot.
 Out: `scan`, `sonar` (or one topic a sonar), `odom` (drifting), `ground_truth/odom`,
-`ground_truth/contact` (latched, on change), `robot_description` (latched), `/clock`,
-`/tf` odom->base_link, `/tf_static`.
+`ground_truth/contact` (latched, on change), `ground_truth/people` (where there are people),
+`robot_description` (latched), `/clock`, `/tf` odom->base_link, `/tf_static`.
 Services: `~/reset`, `~/step` (Trigger).
 
-A robot with a name has its topics below that name and the name as prefix of its frames. All
-stamps are simulated time, which begins at 0 and goes back there on `~/reset`. With `pace_topics`
-time waits, bounded, for those who publish them.
+A robot with a name has its topics below that name; by `tf_scheme` the name is the prefix of its
+frames too, or it has TF topics of its own. All stamps are simulated time, which begins at 0 and
+goes back there on `~/reset`. With `pace_nodes` or `pace_topics` time waits, bounded, for answers.
 """
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ from floornav_common.ros.messages import ns_to_stamp
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.parameters import ParameterError, declare_config
 from floornav_common.ros.qos import CLOCK_QOS, create_publisher
-from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
 from sim_bridge.config import SimBridgeConfig
 from sim_bridge.nodes.pacing_listener import PacingListener
-from sim_bridge.nodes.robot_port import RobotPort
+from sim_bridge.nodes.world_ports import PeoplePort, robot_ports
 from sim_bridge.physics import PybulletMissingError
-from sim_bridge.schema import WorldError
+from sim_bridge.schema import WorldError, parsed_parameters
 from sim_bridge.simulation import STEP_NS, Simulation
 from sim_bridge.world import load_world
 
@@ -49,26 +48,14 @@ class SimBridgeNode(FloornavNode):
         self._config = declare_config(self, SimBridgeConfig, on_change=self._set_config)
         try:
             self._sim = Simulation(
-                load_world(self._config.world),
+                load_world(self._config.world, parsed_parameters(self._config.world_parameters)),
                 seed=self._config.seed,
                 has_window=self._config.view,
             )
         except (WorldError, PybulletMissingError) as error:
             raise ParameterError(str(error)) from error
-        tf, tf_static = TransformBroadcaster(self), StaticTransformBroadcaster(self)
-        is_stamped = self._config.enable_stamped_cmd_vel
-        self._ports = {
-            name: RobotPort(
-                self,
-                name,
-                model,
-                is_stamped=is_stamped,
-                is_one_sonar_topic=self._config.sonar_topics == "one",
-                tf=tf,
-                tf_static=tf_static,
-            )
-            for name, model in self._sim.models.items()
-        }
+        self._ports = robot_ports(self, self._config, self._sim.models)
+        self._people = PeoplePort(self) if self._sim.has_people else None
         self._clock_pub = create_publisher(self, ClockMsg, "/clock", CLOCK_QOS)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_service(Trigger, "~/step", self._on_step)
@@ -94,11 +81,11 @@ class SimBridgeNode(FloornavNode):
         factor = self._config.real_time_factor
         # What was missed for longer than a burst stays missed: time is slower, never jumpy.
         passed, self._looked_at = min(now - self._looked_at, _MAX_BURST_S), now
-        if self._config.lockstep:
+        if self._config.lockstep or self._config.paused:
             return
         self._owed_s = self._owed_s + factor * passed if factor else float("inf")
         # Paced, answers must be heard between steps, not after a burst of them.
-        num_steps = _PACED_STEPS if self._config.pace_topics else _MAX_STEPS
+        num_steps = _PACED_STEPS if self._pace.is_in_use else _MAX_STEPS
         for _ in range(num_steps):
             is_enough = self._owed_s < STEP_NS * 1e-9 or time.monotonic() - now > _MAX_BURST_S
             if is_enough or not self._pace.may_go_on(now):
@@ -114,6 +101,8 @@ class SimBridgeNode(FloornavNode):
             self._clock_pub.publish(ClockMsg(clock=ns_to_stamp(seen.stamp_ns)))
         for name, port in self._ports.items():
             port.publish(seen.stamp_ns, seen.robots[name])
+        if self._people is not None:
+            self._people.publish(seen)
 
     def _on_step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         for _step in range(round(self._config.step_s * 1e9 / STEP_NS)):

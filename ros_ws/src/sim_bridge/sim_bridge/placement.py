@@ -1,0 +1,58 @@
+"""Where robots may start: not inside anything, nor inside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from floornav_common.se2 import SE2
+from sim_bridge.robot_model import RobotModel
+from sim_bridge.schema import WorldError
+from sim_bridge.solids import Solid
+
+_PER_EDGE = 20
+_RINGS = 12
+
+
+def require_free(
+    models: Mapping[str, RobotModel], starts: Mapping[str, SE2], solids: Sequence[Solid]
+) -> None:
+    """Check that every robot starts in free space.
+
+    Raises:
+        WorldError: A robot starts inside a solid or another robot; both are named.
+    """
+    names = list(models)
+    for number, name in enumerate(names):
+        model, start = models[name], starts[name]
+        footprint = start @ _filled(model)
+        where = f"robot {_called(name)} at ({start.x:g}, {start.y:g})"
+        for solid in solids:
+            reaches = solid.bottom < model.config.height_m
+            if reaches and (solid.signed_distance(footprint) <= 0.0).any():
+                raise WorldError(f"{where} is inside {solid.name!r}")
+        for other in names[:number]:
+            if _is_inside(models[other], starts[other].inverse() @ footprint).any():
+                raise WorldError(f"{where} is inside robot {_called(other)}")
+
+
+def _filled(model: RobotModel) -> np.ndarray:
+    """Return points all over a footprint, in the base frame, (N, 2)."""
+    corners = np.array(model.config.footprint_m)
+    middle = corners.mean(axis=0)
+    edge = np.linspace(corners, np.roll(corners, -1, axis=0), _PER_EDGE).reshape(-1, 2)
+    return np.vstack([middle + s * (edge - middle) for s in np.linspace(0.0, 1.0, _RINGS)])
+
+
+def _is_inside(model: RobotModel, points: np.ndarray) -> np.ndarray:
+    """Tell which points (N, 2) in the base frame lie in a convex footprint, shape (N,)."""
+    corners = np.array(model.config.footprint_m)
+    edges = np.roll(corners, -1, axis=0) - corners
+    off = points[:, None, :] - corners
+    side = edges[:, 0] * off[..., 1] - edges[:, 1] * off[..., 0]
+    return np.asarray((side >= 0.0).all(axis=1) | (side <= 0.0).all(axis=1))
+
+
+def _called(name: str) -> str:
+    return name or "(unnamed)"
