@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sim_bridge.drawn_shapes import DrawnShapes
 from sim_bridge.drive import Velocity
 from sim_bridge.engine import PybulletMissingError, connect, require_pybullet
 from sim_bridge.rays import Hits, cast_rays, hits_of, shares_of
@@ -51,6 +52,7 @@ class Physics:
         self._bodies: dict[str, int] = {}
         self._groups: dict[str, int] = {}
         self._panes: list[int] = []
+        self._solids: dict[int, Solid] = {}
         # The engine's own renderer knows only opaque and absent; its window can blend.
         self._glass_alpha = 0.3 if has_window else 0.0
         self._floor = self._add_solid(_floor())
@@ -84,6 +86,9 @@ class Physics:
         for name in velocities:
             self._set_pose(name, self.pose(name))
 
+    def drawn_shapes(self) -> DrawnShapes:
+        """Return everything that cameras see but the floor."""
+        return DrawnShapes(self._engine, self._client, self._floor, self._solids)
 
     def place_movers(self, places: np.ndarray) -> None:
         """Put each mover somewhere: x, y and how far above its height, (movers, 3), m."""
@@ -197,12 +202,13 @@ class Physics:
     def _add_solid(self, solid: Solid) -> int:
         engine, client = self._engine, self._client
         half = [extent / 2.0 for extent in solid.size]
-        if solid.is_round:
+        shape: dict[str, Any] = {"radius": half[0]} if solid.is_round else {"halfExtents": half}
+        kind, lengths = engine.GEOM_BOX, ({}, {})
+        if solid.is_ball:
+            kind = engine.GEOM_SPHERE
+        elif solid.is_round:
             kind = engine.GEOM_CYLINDER
-            shape: dict[str, Any] = {"radius": half[0]}
             lengths = {"height": solid.size[2]}, {"length": solid.size[2]}
-        else:
-            kind, shape, lengths = engine.GEOM_BOX, {"halfExtents": half}, ({}, {})
         body: int = engine.createMultiBody(
             solid.mass,
             engine.createCollisionShape(kind, **shape, **lengths[0], physicsClientId=client),
@@ -220,6 +226,7 @@ class Physics:
         self._set_group(body, _SCENERY_GROUP if solid.glass is None else _GLASS_GROUP)
         if solid.glass is not None:
             self._panes.append(body)
+        self._solids[body] = solid
         return body
 
     def _add_robot(self, name: str, model: RobotModel, pose: SE2) -> None:

@@ -11,10 +11,13 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from sim_bridge.camera_config import OmniCameraConfig, StereoConfig
 from sim_bridge.config import DriveConfig, LaserConfig, OdometryConfig, WheelConfig
 from sim_bridge.schema import WorldError, build, load_yaml
 from sim_bridge.sonar_config import SonarConfig
 from sim_bridge.world import RobotPlacement
+
+_VIEWPOINT_TOL_M = 5e-4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +32,8 @@ class RobotFile:
     odometry: OdometryConfig = OdometryConfig()
     laser: LaserConfig | None = None
     sonar: SonarConfig | None = None
+    omni: OmniCameraConfig | None = None
+    stereo: StereoConfig | None = None
 
     @property
     def sonar_frames(self) -> tuple[str, ...]:
@@ -76,10 +81,24 @@ def load_robot(placement: RobotPlacement) -> RobotModel:
     urdf = urdf_path.read_text(encoding="utf-8")
     mounts = _fixed_mounts(urdf)
     lasers = () if config.laser is None else (config.laser.frame,)
-    for frame in (*lasers, *config.sonar_frames):
+    omnis = () if config.omni is None else (config.omni.frame,)
+    stereos = () if config.stereo is None else config.stereo.frames
+    for frame in (*lasers, *config.sonar_frames, *omnis, *stereos):
         if frame not in mounts:
             raise WorldError(f"robot {placement.model}: no link {frame!r} in its URDF")
+    if config.omni is not None:
+        _require_viewpoint(placement.model, config.omni, mounts[config.omni.frame])
     return RobotModel(config, urdf_path, urdf, mounts)
+
+
+def _require_viewpoint(robot: str, omni: OmniCameraConfig, T_base_camera: np.ndarray) -> None:
+    """Check that the mirror's figures and its place tell the same height, and that it is upright."""
+    height = omni.camera().viewpoint_height
+    if abs(T_base_camera[2, 3] - height) > _VIEWPOINT_TOL_M or T_base_camera[2, 2] < 1.0 - 1e-9:
+        raise WorldError(
+            f"robot {robot}: {omni.frame!r} must be upright at the mirror's viewpoint, {height:.4f} m "
+            f"above base_link, got {T_base_camera[2, 3]:.4f} m"
+        )
 
 
 def _merged(data: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:

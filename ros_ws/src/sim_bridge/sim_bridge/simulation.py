@@ -6,6 +6,7 @@ import math
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,7 +30,11 @@ from sim_bridge.wheels import (
     odometry_step,
     wheels_step,
 )
+from sim_bridge.views import Views
 from sim_bridge.world import World
+
+if TYPE_CHECKING:
+    from sim_bridge.cameras import StereoImages
 
 STEP_NS = 10_000_000
 
@@ -59,6 +64,8 @@ class RobotObservation:
         odometry: Dead reckoning at the end of the step.
         refused: Why the command of this step was refused; "" if it was not.
         ground_truth: For judges only; never part of a sensor message.
+        omni: Image of the mirror, (height, width, 3), RGB uint8.
+        stereo: Images of each pair of cameras, by its name.
     """
 
     scan: Scan | None
@@ -66,6 +73,8 @@ class RobotObservation:
     refused: str
     ground_truth: GroundTruth
     sonar: tuple[RangeReading, ...] | None = None
+    omni: np.ndarray | None = None
+    stereo: Mapping[str, StereoImages] | None = None
 
 
 @dataclass(frozen=True)
@@ -125,6 +134,7 @@ class Simulation:
             self.solids, robots, STEP_NS * 1e-9, movers=self._people.parts, has_window=has_window
         )
         self._panes = panes_of(self.solids)
+        self.views = Views(world, self._physics, self.models, T, STEP_NS)
         self._seed = seed
         self._states: dict[str, _RobotState] = {}
         self.stamp_ns = 0
@@ -137,6 +147,7 @@ class Simulation:
         self._physics.reset()
         self._people.reset(self._seed)
         self._physics.place_movers(self._people.places())
+        self.views.reset(self._seed)
         self._velocities = dict.fromkeys(self.models, (0.0, 0.0))
         self._states = {name: self._first_state(name) for name in self.models}
         self._ranging = {
@@ -155,15 +166,7 @@ class Simulation:
 
     def overview(self, size: tuple[int, int] = (1320, 1000)) -> np.ndarray:
         """Return a picture of the world from above, shape (height, width, 3), RGB uint8."""
-        corners = np.vstack([solid.outline() for solid in self.solids] or [np.zeros((1, 2))])
-        low, high = corners.min(axis=0), corners.max(axis=0)
-        middle, extent = (
-            (low + high) / 2.0,
-            float(max((high - low)[1], (high - low)[0] * 0.75, 1.0)),
-        )
-        target = (float(middle[0]), float(middle[1]) + 0.03 * extent, 0.0)
-        eye = (float(middle[0]), float(middle[1]) - 0.35 * extent, 1.45 * extent)
-        return self._physics.picture(eye, target, size, has_glass=True)
+        return self.views.overview(self.solids, size)
 
     def step(self, commands: Mapping[str, Velocity]) -> Observations:
         """Go on by `STEP_NS`.
@@ -213,6 +216,8 @@ class Simulation:
             refused="" if command is None else refusal(config.drive, command),
             ground_truth=GroundTruth(pose, velocity, self._physics.is_touching(name)),
             sonar=self._ranging[name].sonar(self._physics, self.stamp_ns),
+            omni=self.views.omni(name, self.stamp_ns),
+            stereo=self.views.stereo(name, self.stamp_ns),
         )
 
     def _odometry(self, name: str) -> OdometryState | None:
@@ -252,14 +257,3 @@ def _mean_velocity(motion: SE2, dt: float) -> Velocity:
     shrunk = dt * float(np.sinc(motion.yaw / (2.0 * np.pi)))
     ahead, aside = c * motion.x + s * motion.y, c * motion.y - s * motion.x
     return Velocity(ahead / shrunk, motion.yaw / dt, aside / shrunk)
-
-
-def _require_free(name: str, model: RobotModel, start: SE2, solids: list[Solid]) -> None:
-    corners = np.array(model.config.footprint_m)
-    around = np.linspace(corners, np.roll(corners, -1, axis=0), 20).reshape(-1, 2)
-    footprint = start @ np.vstack([share * around for share in np.linspace(0.0, 1.0, 12)])
-    for solid in solids:
-        reaches = solid.bottom < model.config.height_m
-        if reaches and (solid.signed_distance(footprint) <= 0.0).any():
-            where = f"({start.x:g}, {start.y:g})"
-            raise WorldError(f"robot {name or '(unnamed)'} at {where} is inside {solid.name!r}")

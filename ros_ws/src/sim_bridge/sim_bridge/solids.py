@@ -19,17 +19,19 @@ _GLASS_COLOR = (0.62, 0.82, 0.88)
 
 @dataclass(frozen=True)
 class Solid:
-    """An upright box or cylinder.
+    """An upright box or cylinder, or a ball.
 
     Attributes:
         name: For errors and pictures.
         pose: Middle of its footprint in the world; a box's sides lie along x and y of it.
         size: Full extents (x, y, z), m; a cylinder has twice its radius as x and y.
         bottom: Height of its lower face, m.
-        is_round: True for a cylinder.
+        is_round: True for a cylinder and a ball.
         color: RGB, 0..1.
         mass: kg; 0 = fixed.
         glass: Its material if it is a pane, which lies along its x axis; None = opaque.
+        texture: Pattern that cameras see on it; "" for none.
+        is_ball: True for a ball.
     """
 
     name: str
@@ -40,6 +42,8 @@ class Solid:
     color: Color
     mass: float = 0.0
     glass: Glass | None = None
+    texture: str = ""
+    is_ball: bool = False
 
     def is_at_height(self, height: float) -> bool:
         """Tell whether a horizontal plane at this height (m) cuts the solid."""
@@ -72,7 +76,11 @@ def solids_of(world: World) -> list[Solid]:
             solids += _glass_case(box, box.glass)
             continue
         pose = SE2(*box.center_m, math.radians(box.yaw_deg))
-        solids.append(Solid(box.name, pose, box.size_m, 0.0, False, box.color, box.mass_kg))
+        solids.append(
+            Solid(
+                box.name, pose, box.size_m, 0.0, False, box.color, box.mass_kg, texture=box.texture
+            )
+        )
     for table in world.tables:
         solids += _parts(table, _table_parts(table.size_m))
     for shelf in world.shelves:
@@ -80,7 +88,13 @@ def solids_of(world: World) -> list[Solid]:
     for column in world.columns:
         size = (2 * column.radius_m, 2 * column.radius_m, column.height_m)
         pose = SE2(*column.center_m, 0.0)
-        solids.append(Solid(column.name, pose, size, 0.0, True, column.color, column.mass_kg))
+        solid = Solid(column.name, pose, size, 0.0, True, column.color, column.mass_kg)
+        solids.append(replace(solid, texture=column.texture))
+    for ball in world.balls:
+        size = (2 * ball.radius_m,) * 3
+        pose = SE2(*ball.center_m, 0.0)
+        solid = Solid(ball.name, pose, size, 0.0, True, ball.color, ball.mass_kg, is_ball=True)
+        solids.append(solid)
     return solids
 
 
@@ -115,7 +129,8 @@ def _wall_pieces(wall: Wall) -> list[Solid]:
         if end - start > 1e-9:
             pose = T_world_wall @ SE2((start + end) / 2.0, 0.0, 0.0)
             size = (end - start, wall.thickness_m, wall.height_m)
-            pieces.append(Solid("wall", pose, size, 0.0, False, wall.color))
+            solid = Solid("wall", pose, size, 0.0, False, wall.color, texture=wall.texture)
+            pieces.append(solid)
     return pieces
 
 
@@ -165,7 +180,10 @@ _Part = tuple[float, float, float, tuple[float, float, float]]  # x, y, bottom, 
 def _parts(item: Furniture, parts: list[_Part]) -> list[Solid]:
     T_world_item = SE2(*item.center_m, math.radians(item.yaw_deg))
     return [
-        Solid(item.name, T_world_item @ SE2(x, y, 0.0), size, bottom, False, item.color)
+        Solid(
+            item.name, T_world_item @ SE2(x, y, 0.0), size, bottom, False, item.color,
+            texture=item.texture,
+        )
         for x, y, bottom, size in parts
     ]
 

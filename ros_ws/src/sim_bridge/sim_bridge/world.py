@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from floornav_common.se2 import SE2
+from sim_bridge.appearance import Floor, Light, require_pattern
 from sim_bridge.glass import Frame, Glass
 from sim_bridge.measures import Measure
 from sim_bridge.people.config import PeopleConfig
@@ -54,8 +55,10 @@ class Wall:
     doors: tuple[Door, ...] = ()
     glass: Glass | None = None
     frame: Frame | None = None
+    texture: str = ""
 
     def __post_init__(self) -> None:
+        require_pattern(self.texture)
         if self.length < 1e-6:
             raise ValueError(f"the wall at {list(self.from_m)} has zero length")
         _require_positive(thickness_m=self.thickness_m, height_m=self.height_m)
@@ -91,8 +94,10 @@ class Furniture:
     mass_kg: float = 0.0
     color: Color = (0.72, 0.53, 0.35)
     glass: Glass | None = None
+    texture: str = ""
 
     def __post_init__(self) -> None:
+        require_pattern(self.texture)
         _require_positive(**{f"size_m[{k}]": value for k, value in enumerate(self.size_m)})
         if self.mass_kg < 0.0:
             raise ValueError(f"mass_kg must be >= 0 (0 = fixed), got {self.mass_kg}")
@@ -108,9 +113,25 @@ class Column:
     height_m: float = 2.4
     mass_kg: float = 0.0
     color: Color = (0.75, 0.75, 0.78)
+    texture: str = ""
 
     def __post_init__(self) -> None:
+        require_pattern(self.texture)
         _require_positive(radius_m=self.radius_m, height_m=self.height_m)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball:
+    """A ball on the floor."""
+
+    name: str = "ball"
+    center_m: Point
+    radius_m: float
+    mass_kg: float = 0.0
+    color: Color = (0.95, 0.45, 0.05)
+
+    def __post_init__(self) -> None:
+        _require_positive(radius_m=self.radius_m)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,6 +179,10 @@ class World:
     tables: tuple[Furniture, ...] = ()
     shelves: tuple[Furniture, ...] = ()
     columns: tuple[Column, ...] = ()
+    balls: tuple[Ball, ...] = ()
+    floor: Floor = Floor()
+    light: Light = Light()
+    ceiling_m: float | None = None
     robots: tuple[RobotPlacement, ...] = ()
     route: Route | None = None
     measures: tuple[Measure, ...] = ()

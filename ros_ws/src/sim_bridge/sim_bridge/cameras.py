@@ -1,0 +1,152 @@
+"""The cameras of a robot: which rays their pixels take, when they are due, what they see."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from floornav_common.mirror_camera import MirrorCamera
+from sim_bridge.camera_config import OmniCameraConfig, StereoConfig, optical_frame
+from sim_bridge.image_effects import ImageSensor
+from sim_bridge.rendering import Rays, sorted_rays
+from sim_bridge.robot_model import RobotModel
+from sim_bridge.scene import Scene
+
+_EDGE_SOFTNESS_PX = 1.0
+
+
+class SensorPoses(Protocol):
+    """What places a sensor in the world: the physics."""
+
+    def sensor_pose(self, name: str, T_base_sensor: np.ndarray) -> np.ndarray:
+        """Return `T_world_sensor`, (4, 4)."""
+        ...
+
+
+@dataclass(frozen=True)
+class StereoImages:
+    """The two images of a pair, RGB uint8."""
+
+    left: np.ndarray
+    right: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Camera:
+    T_base_camera: np.ndarray
+    rays: Rays
+    sensor: ImageSensor
+
+
+class Cameras:
+    """All cameras of one robot.
+
+    Args:
+        name: The robot's.
+        model: Its model.
+        scene: What is around it.
+        seed: Of the simulation; each camera has its own stream.
+    """
+
+    def __init__(self, name: str, model: RobotModel, scene: Scene, seed: int) -> None:
+        self._name, self._scene = name, scene
+        omni, stereo = model.config.omni, model.config.stereo
+        self._omni: _Camera | None = None
+        self._stereo: dict[str, tuple[_Camera, _Camera]] = {}
+        if omni is not None:
+            rng = _stream(seed, name, "omni")
+            self._omni = _omni_camera(omni, model.mounts[omni.frame], rng)
+        for pair in () if stereo is None else stereo.pairs:
+            left, right = (
+                _pinhole_camera(stereo, model.mounts[frame], _stream(seed, name, frame))
+                for frame in (optical_frame(pair, side) for side in ("left", "right"))
+            )
+            self._stereo[pair] = left, right
+
+    def omni(self, poses: SensorPoses) -> np.ndarray | None:
+        """Return the mirror's image now, RGB uint8; None without such a camera."""
+        return None if self._omni is None else self._image(self._omni, poses)
+
+    def stereo(self, poses: SensorPoses) -> Mapping[str, StereoImages]:
+        """Return the images of every pair now."""
+        return {
+            pair: StereoImages(self._image(left, poses), self._image(right, poses))
+            for pair, (left, right) in self._stereo.items()
+        }
+
+    def _image(self, camera: _Camera, poses: SensorPoses) -> np.ndarray:
+        T_world_camera = poses.sensor_pose(self._name, camera.T_base_camera)
+        return camera.sensor.expose(self._scene.light_at(camera.rays, T_world_camera))
+
+
+def mirror_rays(camera: MirrorCamera, samples: int) -> Rays:
+    """Return the rays of a mirror's pixels; none where the mirror is not."""
+    directions = camera.rays(_sub_pixels(camera.width_px, camera.height_px, samples))
+    is_seen = _radius(camera) <= camera.max_radius_px + _EDGE_SOFTNESS_PX
+    return sorted_rays(directions, is_seen)
+
+
+def pinhole_rays(width_px: int, height_px: int, focal_px: float, samples: int) -> Rays:
+    """Return the rays of a pinhole's pixels: x right, y down, z along the view."""
+    pixels = _sub_pixels(width_px, height_px, samples)
+    middle = np.array([(width_px - 1) / 2.0, (height_px - 1) / 2.0])
+    flat = (pixels - middle) / focal_px
+    directions = np.concatenate((flat, np.ones((*flat.shape[:-1], 1))), axis=-1)
+    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
+    return sorted_rays(directions, np.ones((height_px, width_px), dtype=bool))
+
+
+def focal_length(config: StereoConfig) -> float:
+    """Return the focal length in pixels."""
+    return (config.width_px - 1) / 2.0 / math.tan(config.fov_rad / 2.0)
+
+
+def baseline(model: RobotModel, pair: str) -> float:
+    """Return the distance between the cameras of a pair, m."""
+    left, right = (model.mounts[optical_frame(pair, side)] for side in ("left", "right"))
+    return float((np.linalg.inv(left) @ right)[0, 3])
+
+
+def _omni_camera(
+    config: OmniCameraConfig, T_base_camera: np.ndarray, rng: np.random.Generator
+) -> _Camera:
+    camera = config.camera()
+    radius = _radius(camera)
+    # The mirror's edge covers a part of the pixels that it crosses.
+    gain = np.clip((camera.max_radius_px - radius) / _EDGE_SOFTNESS_PX + 0.5, 0.0, 1.0)
+    edge = np.minimum(radius / camera.max_radius_px, 1.0)
+    sensor = ImageSensor(config.image, gain, edge, rng)
+    return _Camera(T_base_camera, mirror_rays(camera, config.samples), sensor)
+
+
+def _pinhole_camera(
+    config: StereoConfig, T_base_camera: np.ndarray, rng: np.random.Generator
+) -> _Camera:
+    width, height = config.width_px, config.height_px
+    v, u = np.mgrid[:height, :width]
+    edge = np.hypot(u - (width - 1) / 2.0, v - (height - 1) / 2.0)
+    sensor = ImageSensor(config.image, np.ones_like(edge), edge / edge.max(), rng)
+    rays = pinhole_rays(width, height, focal_length(config), config.samples)
+    return _Camera(T_base_camera, rays, sensor)
+
+
+def _radius(camera: MirrorCamera) -> np.ndarray:
+    v, u = np.mgrid[: camera.height_px, : camera.width_px]
+    return np.hypot(u - camera.center_u_px, v - camera.center_v_px)
+
+
+def _sub_pixels(width: int, height: int, samples: int) -> np.ndarray:
+    """Return (u, v) of the rays of each pixel, evenly over its square, (height, width, S, 2)."""
+    steps = (np.arange(samples) + 0.5) / samples - 0.5
+    v, u = np.mgrid[:height, :width]
+    dv, du = (grid.ravel() for grid in np.meshgrid(steps, steps, indexing="ij"))
+    return np.stack((u[:, :, None] + du, v[:, :, None] + dv), axis=-1)
+
+
+def _stream(seed: int, robot: str, sensor: str) -> np.random.Generator:
+    return np.random.default_rng([seed, zlib.crc32(robot.encode()), zlib.crc32(sensor.encode())])
