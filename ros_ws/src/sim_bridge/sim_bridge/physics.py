@@ -16,7 +16,8 @@ from floornav_common.se2 import SE2
 from sim_bridge.drawn_shapes import DrawnShapes
 from sim_bridge.drive import Velocity
 from sim_bridge.engine import PybulletMissingError, connect, require_pybullet
-from sim_bridge.rays import Hits, cast_rays, hits_of, shares_of
+from sim_bridge.ray_scene import RayScene
+from sim_bridge.rays import Hits
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.solids import Solid
 
@@ -51,6 +52,7 @@ class Physics:
         self._engine, self._client = connect(has_window)
         self._bodies: dict[str, int] = {}
         self._groups: dict[str, int] = {}
+        self._body_groups: dict[int, int] = {}
         self._panes: list[int] = []
         self._solids: dict[int, Solid] = {}
         # The engine's own renderer knows only opaque and absent; its window can blend.
@@ -67,6 +69,7 @@ class Physics:
             fixedTimeStep=dt, deterministicOverlappingPairs=1, physicsClientId=self._client
         )
         self._start = engine.saveState(physicsClientId=self._client)
+        self._rays = RayScene(engine, self._client, self._body_groups, self._moving_bodies())
         self._dt = dt
 
     def close(self) -> None:
@@ -77,6 +80,7 @@ class Physics:
     def reset(self) -> None:
         """Put every body back to where it started."""
         self._engine.restoreState(stateId=self._start, physicsClientId=self._client)
+        self._rays.moved()
 
     def step(self, velocities: dict[str, Velocity]) -> None:
         """Move everything on by one step; every robot needs its floor velocity."""
@@ -85,6 +89,7 @@ class Physics:
         self._engine.stepSimulation(physicsClientId=self._client)
         for name in velocities:
             self._set_pose(name, self.pose(name))
+        self._rays.moved()
 
     def drawn_shapes(self) -> DrawnShapes:
         """Return everything that cameras see but the floor."""
@@ -96,6 +101,7 @@ class Physics:
             self._engine.resetBasePositionAndOrientation(
                 body, (x, y, height + z), (0.0, 0.0, 0.0, 1.0), physicsClientId=self._client
             )
+        self._rays.moved()
 
     def pose(self, name: str) -> SE2:
         """Return where a robot truly is."""
@@ -127,7 +133,7 @@ class Physics:
         ends = rays_sensor @ T[:3, :3].T + T[:3, 3]
         starts = np.broadcast_to(T[:3, 3], ends.shape)
         mask = _ALL_GROUPS & ~self._groups[name] & ~_GLASS_GROUP
-        return shares_of(cast_rays(self._engine, self._client, starts, ends, mask))
+        return self._rays.cast(starts, ends, mask).shares
 
     def cast_sound(self, name: str, starts: np.ndarray, ends: np.ndarray) -> Hits:
         """Return where rays of sound end, from and to points in the world, (N, 3) each, m.
@@ -135,7 +141,7 @@ class Physics:
         Glass stops them; the robot that sends them does not.
         """
         mask = _ALL_GROUPS & ~self._groups[name]
-        return hits_of(cast_rays(self._engine, self._client, starts, ends, mask))
+        return self._rays.cast(starts, ends, mask)
 
     def sensor_pose(self, name: str, T_base_sensor: np.ndarray) -> np.ndarray:
         """Return `T_world_sensor`, (4, 4)."""
@@ -203,7 +209,8 @@ class Physics:
         engine, client = self._engine, self._client
         half = [extent / 2.0 for extent in solid.size]
         shape: dict[str, Any] = {"radius": half[0]} if solid.is_round else {"halfExtents": half}
-        kind, lengths = engine.GEOM_BOX, ({}, {})
+        lengths: tuple[dict[str, float], dict[str, float]] = {}, {}
+        kind = engine.GEOM_BOX
         if solid.is_ball:
             kind = engine.GEOM_SPHERE
         elif solid.is_round:
@@ -247,7 +254,12 @@ class Physics:
             )  # fmt: skip
             engine.setCollisionFilterPair(body, self._floor, link, -1, 0, physicsClientId=client)
 
+    def _moving_bodies(self) -> list[int]:
+        pushed = [body for body, solid in self._solids.items() if solid.mass > 0.0]
+        return [*pushed, *(body for body, _ in self._movers), *self._bodies.values()]
+
     def _set_group(self, body: int, group: int) -> None:
+        self._body_groups[body] = group
         for link in range(-1, self._engine.getNumJoints(body, physicsClientId=self._client)):
             self._engine.setCollisionFilterGroupMask(
                 body, link, group, _ALL_GROUPS, physicsClientId=self._client

@@ -19,7 +19,7 @@ from sim_bridge.people.yielding import Robot
 from sim_bridge.solids import Solid
 
 _TRIES = 1000
-AWAY = np.array([0.0, 0.0, -50.0])  # where the bodies of absent people are
+_AWAY = -50.0  # below the floor, apart from each other: where the bodies of absent people are
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class People:
         for number, parts in enumerate(self._parts):
             here = self._pose_and_walked(number)
             if here is None:
-                places.append(np.tile(AWAY, (len(parts), 1)))
+                places.append(np.array([[2.0 * number, k, _AWAY] for k in range(len(parts))]))
                 continue
             flat = self._T @ part_places(self._config, *here)
             places.append(np.column_stack((flat, np.zeros(len(flat)))))
