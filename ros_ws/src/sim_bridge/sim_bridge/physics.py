@@ -26,6 +26,7 @@ __all__ = ["Physics", "PybulletMissingError", "require_pybullet"]
 _SCENERY_GROUP = 1
 _GLASS_GROUP = 2
 _ALL_GROUPS = 0x3FFFFFFF
+_STANDING_GROUP = 1 << 29  # for contacts only
 _FLOOR_HALF_EDGE = 50.0
 
 
@@ -157,6 +158,7 @@ class Physics:
         size: tuple[int, int],
         fov_deg: float = 50.0,
         *,
+        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
         has_glass: bool = False,
     ) -> np.ndarray:
         """Return a picture of everything from a point, shape (height, width, 3), RGB uint8.
@@ -166,11 +168,12 @@ class Physics:
             target: Where it looks, m.
             size: (width, height), pixels.
             fov_deg: Vertical field of view.
+            up: What is up in the picture.
             has_glass: True paints panes over what is behind them; False leaves them out.
         """
         self._paint_panes(1.0 if has_glass else self._glass_alpha)
         engine, (width, height) = self._engine, size
-        view = engine.computeViewMatrix(eye, target, [0.0, 1.0, 0.0])
+        view = engine.computeViewMatrix(eye, target, up)
         lens = engine.computeProjectionMatrixFOV(fov_deg, width / height, 0.1, 100.0)
         image = engine.getCameraImage(
             width, height, view, lens, shadow=0, lightDirection=[-4.0, -6.0, 14.0],
@@ -230,7 +233,10 @@ class Physics:
             [0.0, 0.0, math.sin(solid.pose.yaw / 2.0), math.cos(solid.pose.yaw / 2.0)],
             physicsClientId=client,
         )
-        self._set_group(body, _SCENERY_GROUP if solid.glass is None else _GLASS_GROUP)
+        group = _SCENERY_GROUP if solid.glass is None else _GLASS_GROUP
+        # What stands for ever need not be tested against each other: that is most of a step.
+        stands = solid.mass == 0.0
+        self._set_group(body, group, _ALL_GROUPS & ~_STANDING_GROUP if stands else _ALL_GROUPS)
         if solid.glass is not None:
             self._panes.append(body)
         self._solids[body] = solid
@@ -242,6 +248,7 @@ class Physics:
             str(model.urdf_path),
             [pose.x, pose.y, 0.0],
             [0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)],
+            flags=engine.URDF_USE_IMPLICIT_CYLINDER,  # not a polyhedron
             physicsClientId=client,
         )
         self._bodies[name] = body
@@ -258,11 +265,13 @@ class Physics:
         pushed = [body for body, solid in self._solids.items() if solid.mass > 0.0]
         return [*pushed, *(body for body, _ in self._movers), *self._bodies.values()]
 
-    def _set_group(self, body: int, group: int) -> None:
+    def _set_group(self, body: int, group: int, mask: int = _ALL_GROUPS) -> None:
         self._body_groups[body] = group
+        if mask != _ALL_GROUPS:
+            group = _STANDING_GROUP
         for link in range(-1, self._engine.getNumJoints(body, physicsClientId=self._client)):
             self._engine.setCollisionFilterGroupMask(
-                body, link, group, _ALL_GROUPS, physicsClientId=self._client
+                body, link, group, mask, physicsClientId=self._client
             )
 
 
