@@ -53,6 +53,7 @@ class RayScene:
         self._rows = {body: np.flatnonzero(bodies == body) for body in groups}
         self._place(list(groups))
         self._is_old = False
+        self.cast(np.zeros((0, 3)), np.zeros((0, 3)), 0)  # compiles the kernel, if it is not yet
 
     def moved(self) -> None:
         """Note that bodies may have moved."""
