@@ -132,3 +132,15 @@ def test_the_map_can_be_sparser_than_what_scans_are_matched_to():
     mapper, results = run(truth, slipping(truth, 0.1), GridMapper(config, truth[0]))
     assert mapper.num_key_scans < 8
     assert worst(truth, results)[0] < 0.03
+
+
+def test_a_bare_corridor_is_left_to_odometry():
+    """Two endless walls say nothing of the way along them; 1 % of it may be lost to noise."""
+    walls = np.array([[-60.0, -1.2, 60.0, -1.2], [-60.0, 1.2, 60.0, 1.2]])
+    truth = [SE2(0.1 * k, 0.0, 0.0) for k in range(100)]
+    mapper, rng = GridMapper(GridMapperConfig(), truth[0]), np.random.default_rng(0)
+    for k, pose in enumerate(truth):
+        scan = scan_at(pose, walls, rng=rng, range_max=12.0)
+        result = mapper.insert_scan(k * HALF_SECOND_NS, scan, SE2.identity(), pose)
+    assert result.T_map_base.x == pytest.approx(truth[-1].x, rel=0.01)
+    assert result.cov[0, 0] > 4.0 * result.cov[1, 1]

@@ -6,7 +6,7 @@ from worlds import box, drive_around, moved_walls, scan_at, square_room
 
 from floornav_common.se2 import SE2
 from grid_mapper.config import ScanMatcherConfig
-from grid_mapper.scan_matcher import ScanMatcher, starting_poses
+from grid_mapper.scan_matcher import ScanMatcher, starting_poses, without_leak
 from grid_mapper.surface_points import surface_points
 
 CONFIG = ScanMatcherConfig()
@@ -105,3 +105,11 @@ def test_a_sharp_prediction_gives_one_start_and_a_vague_one_is_surrounded():
     assert starts[0] == pose
     assert max(s.yaw for s in starts) - pose.yaw == pytest.approx(0.3)
     assert min(s.x for s in starts) == pytest.approx(pose.x - 0.2)
+
+
+@pytest.mark.parametrize(("weak", "kept"), [(1000.0, 990.0), (20.0, 10.0), (10.0, 0.0), (2.0, 0.0)])
+def test_a_weak_direction_keeps_only_what_no_other_lent_it(weak, kept):
+    """By hand: a hundredth of the strong direction's 1000 is taken off."""
+    information = without_leak(np.diag([weak, 1000.0, 5.0]))
+    assert np.diag(information) == pytest.approx([kept, 990.0, 5.0])
+    assert (np.linalg.eigvalsh(information) >= -1e-9).all()

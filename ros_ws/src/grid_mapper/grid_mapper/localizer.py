@@ -44,12 +44,17 @@ class ScanResult:
 
 @dataclass(frozen=True)
 class _Step:
-    """State after a scan, from which the next is predicted."""
+    """State after a scan, from which the next is predicted.
+
+    `cov` is that of the pose in the map; `cov_near` counts only what came since the last trusted
+    scan, for the map round the robot was made by poses that share all error before that.
+    """
 
     stamp_ns: int
     T_map_base: SE2
     T_odom_base: SE2 | None
     cov: np.ndarray
+    cov_near: np.ndarray
     velocity: np.ndarray
 
 
@@ -81,16 +86,21 @@ class ScanLocalizer:
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
         points = self._points(scan, T_base_laser)
-        T_pred, cov_pred, dt = self._predict(stamp_ns, T_odom_base)
+        T_pred, cov_moved, dt = self._predict(stamp_ns, T_odom_base)
+        cov, cov_near = (
+            (cov_moved, cov_moved)
+            if self._last is None
+            else (self._last.cov + cov_moved, self._last.cov_near + cov_moved)
+        )
         if self._matcher.is_empty:
-            result = self._first(len(points), T_pred, cov_pred)
+            result = self._first(len(points), T_pred, cov)
         else:
-            match = self._matcher.match(points, T_pred, cov_pred)
-            result = self._judge(match, len(points), T_pred, cov_pred)
+            match = self._matcher.match(points, T_pred, cov_near)
+            result = self._judge(match, len(points), T_pred, cov, cov_near)
         pose = result.T_map_base
         if result.is_trusted and self._keys.take(stamp_ns, pose, self.config.match_key):
             self._matcher.insert(points, pose)
-        self._remember(stamp_ns, T_odom_base, result, dt)
+        self._remember(stamp_ns, T_odom_base, result, cov_near, dt)
         return result
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
@@ -106,7 +116,7 @@ class ScanLocalizer:
         if self._last is None:
             self._T_map_start = T_map_base
         else:
-            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, np.zeros(3))
+            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, cov, np.zeros(3))
 
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. The map and the pose stay."""
@@ -128,7 +138,7 @@ class ScanLocalizer:
         return points.moved(T_base_laser)
 
     def _predict(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, np.ndarray, float]:
-        """Return the predicted pose, its covariance in map axes and the time passed."""
+        """Return the predicted pose, the covariance of the motion in map axes, the time passed."""
         last = self._last
         if last is None:
             return self._T_map_start, np.zeros((3, 3)), 0.0
@@ -138,7 +148,7 @@ class ScanLocalizer:
             cov = odometry_motion(moved, self.config.motion)
         else:
             moved, cov = steady_motion(last.velocity, dt, self.config.motion)
-        return last.T_map_base @ moved, last.cov + rotated(cov, last.T_map_base.yaw), dt
+        return last.T_map_base @ moved, rotated(cov, last.T_map_base.yaw), dt
 
     def _first(self, num_points: int, T_pred: SE2, cov: np.ndarray) -> ScanResult:
         if num_points < self.config.min_pairs:
@@ -147,11 +157,16 @@ class ScanLocalizer:
         return ScanResult(T_pred, cov, True, "", 1.0)
 
     def _judge(
-        self, match: MatchResult, num_points: int, T_pred: SE2, cov_pred: np.ndarray
+        self,
+        match: MatchResult,
+        num_points: int,
+        T_pred: SE2,
+        cov_pred: np.ndarray,
+        cov_near: np.ndarray,
     ) -> ScanResult:
         """Believe a match, or say why not and keep the prediction."""
         off = offset(T_pred, match.T_map_base)
-        sigmas = float(np.sqrt(off @ np.linalg.solve(cov_pred, off)))
+        sigmas = float(np.sqrt(off @ np.linalg.solve(cov_near, off)))
         config, reason = self.config, ""
         if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
             reason = f"{match.num_pairs} of {num_points} points found the map"
@@ -165,11 +180,17 @@ class ScanLocalizer:
         return ScanResult(match.T_map_base, cov, True, "", match.overlap)
 
     def _remember(
-        self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, dt: float
+        self,
+        stamp_ns: int,
+        T_odom_base: SE2 | None,
+        result: ScanResult,
+        cov_near: np.ndarray,
+        dt: float,
     ) -> None:
         last = self._last
         velocity = np.zeros(3)
         if last is not None:
             moved = last.T_map_base.between(result.T_map_base)
             velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
-        self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, velocity)
+        near = np.zeros((3, 3)) if result.is_trusted else cov_near
+        self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, near, velocity)

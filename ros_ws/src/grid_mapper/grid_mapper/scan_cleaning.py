@@ -23,7 +23,15 @@ def clean_scan(scan: Scan) -> Scan:
 
     Returns:
         The cleaned scan.
+
+    Raises:
+        ValueError: If the range limits are none, for then no beam could be told from another.
     """
+    if not scan.range_max > max(scan.range_min, 0.0):
+        raise ValueError(
+            f"range_max must be > range_min and > 0, got {scan.range_min} to {scan.range_max}: "
+            "the laser's driver is to say them"
+        )
     ranges = np.array(scan.ranges, dtype=np.float64)
     with np.errstate(invalid="ignore"):
         no_return = (ranges == 0.0) | ((ranges < 0.0) & np.isfinite(ranges))

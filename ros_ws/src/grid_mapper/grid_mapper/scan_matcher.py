@@ -26,6 +26,8 @@ COARSE_POINTS = 200  # points used at most while the pose is still far off
 FINE_POINTS = 600  # and for the last steps: more change the pose by less than its deviation
 # Points in one cell share that cell's error, so they are worth fewer independent measurements.
 INDEPENDENT_SHARE = 0.3
+# Noisy normals lend this share of the best seen direction's information to the others.
+LEAK_SHARE = 0.01
 COARSE_WIDTH, FINE_WIDTH = 25.0, 4.0  # of rho, in squared deviations
 BASIN_M, BASIN_RAD = 0.2, 0.1  # a start this near to the truth still converges
 MAX_STARTS = np.array([1, 1, 3])  # to each side of x, y and yaw
@@ -103,7 +105,7 @@ class ScanMatcher:
         )  # fmt: skip
         return MatchResult(
             T_map_base=SE2(*pose),
-            information=INDEPENDENT_SHARE * stride * information,
+            information=INDEPENDENT_SHARE * stride * without_leak(information),
             overlap=float(num_pairs / max(1, len(used))),
             agreement=float(weight / max(1, num_pairs)),
             num_pairs=int(num_pairs * stride),
@@ -120,6 +122,22 @@ def _cost(fit: MatchResult, num_points: int, T_pred: SE2, prior: np.ndarray) -> 
     off = offset(T_pred, fit.T_map_base)
     mean = -np.log(max(fit.overlap * fit.agreement, 1e-9))
     return float(INDEPENDENT_SHARE * num_points * COARSE_WIDTH * mean + off @ prior @ off)
+
+
+def without_leak(information: np.ndarray) -> np.ndarray:
+    """Return the information of a match less what its best direction lent to the other.
+
+    Args:
+        information: Of (x, y, yaw), shape (3, 3), positive semidefinite.
+
+    Returns:
+        The same with the weak direction of (x, y) scaled down, shape (3, 3); still semidefinite.
+    """
+    values, axes = np.linalg.eigh(information[:2, :2])
+    kept = np.clip(1.0 - LEAK_SHARE * values[1] / np.maximum(values, 1e-12), 0.0, 1.0)
+    P = np.eye(3)
+    P[:2, :2] = axes @ np.diag(np.sqrt(kept)) @ axes.T
+    return P @ information @ P
 
 
 def offset(T_a: SE2, T_b: SE2) -> np.ndarray:
