@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from floornav_common.config import param, validate
@@ -68,8 +69,10 @@ class OmniCameraConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class StereoConfig:
-    """Pairs of pinhole cameras, rectified. The URDF has a link `stereo_<pair>_<side>_optical_frame`
-    for each camera; the right one lies on the left one's x axis.
+    """Pairs of pinhole cameras, rectified.
+
+    The URDF has a link `stereo_<pair>_<side>_optical_frame` for each camera; the right one lies on
+    the left one's x axis.
     """
 
     pairs: tuple[str, ...] = param(("front", "rear"), "Names of the pairs.")
@@ -79,6 +82,11 @@ class StereoConfig:
     period_s: float = param(0.1, "Time between images.", unit="s", gt=0.0)
     samples: int = param(1, "Rays a pixel along each axis.", ge=1, le=8)
     image: ImageConfig = ImageConfig()
+
+    @property
+    def focal_px(self) -> float:
+        """Focal length, pixels."""
+        return (self.width_px - 1) / 2.0 / math.tan(self.fov_rad / 2.0)
 
     @property
     def frames(self) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -61,7 +60,9 @@ class Cameras:
         if omni is not None:
             rng = _stream(seed, name, "omni")
             self._omni = _omni_camera(omni, model.mounts[omni.frame], rng)
-        for pair in () if stereo is None else stereo.pairs:
+        if stereo is None:
+            return
+        for pair in stereo.pairs:
             left, right = (
                 _pinhole_camera(stereo, model.mounts[frame], _stream(seed, name, frame))
                 for frame in (optical_frame(pair, side) for side in ("left", "right"))
@@ -101,17 +102,6 @@ def pinhole_rays(width_px: int, height_px: int, focal_px: float, samples: int) -
     return sorted_rays(directions, np.ones((height_px, width_px), dtype=bool))
 
 
-def focal_length(config: StereoConfig) -> float:
-    """Return the focal length in pixels."""
-    return (config.width_px - 1) / 2.0 / math.tan(config.fov_rad / 2.0)
-
-
-def baseline(model: RobotModel, pair: str) -> float:
-    """Return the distance between the cameras of a pair, m."""
-    left, right = (model.mounts[optical_frame(pair, side)] for side in ("left", "right"))
-    return float((np.linalg.inv(left) @ right)[0, 3])
-
-
 def _omni_camera(
     config: OmniCameraConfig, T_base_camera: np.ndarray, rng: np.random.Generator
 ) -> _Camera:
@@ -131,7 +121,7 @@ def _pinhole_camera(
     v, u = np.mgrid[:height, :width]
     edge = np.hypot(u - (width - 1) / 2.0, v - (height - 1) / 2.0)
     sensor = ImageSensor(config.image, np.ones_like(edge), edge / edge.max(), rng)
-    rays = pinhole_rays(width, height, focal_length(config), config.samples)
+    rays = pinhole_rays(width, height, config.focal_px, config.samples)
     return _Camera(T_base_camera, rays, sensor)
 
 

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from sim_bridge.shape_kinds import BOX, CONE, CYLINDER, SPHERE
 from sim_bridge.schema import WorldError
+from sim_bridge.shape_kinds import BOX, CONE, CYLINDER, SPHERE
 from sim_bridge.solids import Solid
 
 _CONE_MESH = "cone.obj"

@@ -164,7 +164,7 @@ def _end_rays(  # type: ignore[no-untyped-def]
     directions, first, end, T, places, kinds, is_glass, ceiling, listed, count, near, depth, hits,
     veils,
 ):  # fmt: skip
-    """Fill in where each ray of a tile ends, on which shape (-1 = none), and behind how many panes."""
+    """Fill in where each ray of a tile ends, on what (-1: no shape), behind how many panes."""
     num_rays = directions.shape[1]
     for p in range(first, end):
         for s in range(num_rays):

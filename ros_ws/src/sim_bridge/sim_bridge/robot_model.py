@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from sim_bridge.camera_config import OmniCameraConfig, StereoConfig
+from sim_bridge.camera_config import OmniCameraConfig, StereoConfig, optical_frame
 from sim_bridge.config import DriveConfig, LaserConfig, OdometryConfig, WheelConfig
 from sim_bridge.schema import WorldError, build, load_yaml
 from sim_bridge.sonar_config import SonarConfig
@@ -58,6 +58,11 @@ class RobotModel:
     urdf: str
     mounts: dict[str, np.ndarray]
 
+    def baseline(self, pair: str) -> float:
+        """Return how far the right camera of a stereo pair is from the left one, m."""
+        left, right = (self.mounts[optical_frame(pair, side)] for side in ("left", "right"))
+        return float((np.linalg.inv(left) @ right)[0, 3])
+
 
 def robot_names() -> list[str]:
     """Return the names of the robots in the package, sorted."""
@@ -92,12 +97,12 @@ def load_robot(placement: RobotPlacement) -> RobotModel:
 
 
 def _require_viewpoint(robot: str, omni: OmniCameraConfig, T_base_camera: np.ndarray) -> None:
-    """Check that the mirror's figures and its place tell the same height, and that it is upright."""
+    """Check that a mirror is upright and where its figures say."""
     height = omni.camera().viewpoint_height
     if abs(T_base_camera[2, 3] - height) > _VIEWPOINT_TOL_M or T_base_camera[2, 2] < 1.0 - 1e-9:
         raise WorldError(
-            f"robot {robot}: {omni.frame!r} must be upright at the mirror's viewpoint, {height:.4f} m "
-            f"above base_link, got {T_base_camera[2, 3]:.4f} m"
+            f"robot {robot}: {omni.frame!r} must be upright at the mirror's viewpoint, "
+            f"{height:.4f} m above base_link, got {T_base_camera[2, 3]:.4f} m"
         )
 
 

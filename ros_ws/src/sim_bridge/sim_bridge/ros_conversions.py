@@ -15,6 +15,7 @@ from floornav_common.ros.messages import (
     scan_to_msg,
 )
 from floornav_common.scan import Scan
+from sim_bridge.camera_config import StereoConfig
 from sim_bridge.config import LaserConfig, OdometryConfig
 from sim_bridge.drive import Velocity
 from sim_bridge.people.people import PersonTruth
@@ -63,3 +64,24 @@ def people_msg(people: Sequence[PersonTruth], stamp_ns: int) -> Any:
     """Return where people are in the world as PoseArray, in a frame that TF does not have."""
     poses = [person.pose for person in people]
     return poses_to_msg(poses, ns_to_stamp(stamp_ns), GROUND_TRUTH_FRAME)
+
+
+def camera_info_msg(config: StereoConfig, baseline: float, stamp: Any, frame: str) -> Any:
+    """Return the model of a rectified pinhole camera as CameraInfo.
+
+    Args:
+        config: Its image.
+        baseline: Its distance from the left camera, m; 0 for the left camera itself.
+        stamp: Of its image.
+        frame: Optical frame of the left camera.
+    """
+    from sensor_msgs.msg import CameraInfo
+
+    f, u, v = config.focal_px, (config.width_px - 1) / 2.0, (config.height_px - 1) / 2.0
+    msg = CameraInfo(width=config.width_px, height=config.height_px)
+    msg.header.stamp, msg.header.frame_id = stamp, frame
+    msg.distortion_model, msg.d = "plumb_bob", [0.0] * 5
+    msg.k = [f, 0.0, u, 0.0, f, v, 0.0, 0.0, 1.0]
+    msg.r = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+    msg.p = [f, 0.0, u, -f * baseline, 0.0, f, v, 0.0, 0.0, 0.0, 1.0, 0.0]
+    return msg

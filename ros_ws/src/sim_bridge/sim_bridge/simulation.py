@@ -22,6 +22,7 @@ from sim_bridge.ranging import RangeSensors, is_due
 from sim_bridge.robot_model import load_robot
 from sim_bridge.schema import WorldError
 from sim_bridge.solids import moved, solids_of
+from sim_bridge.views import Views
 from sim_bridge.wheels import (
     OdometryState,
     WheelState,
@@ -30,7 +31,6 @@ from sim_bridge.wheels import (
     odometry_step,
     wheels_step,
 )
-from sim_bridge.views import Views
 from sim_bridge.world import World
 
 if TYPE_CHECKING:

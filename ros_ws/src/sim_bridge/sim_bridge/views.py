@@ -91,13 +91,14 @@ class Views:
         eye: tuple[float, float, float],
         target: tuple[float, float, float],
         size: tuple[int, int],
+        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
     ) -> np.ndarray:
         """Return what a camera at a point sees of everything, textures too, RGB uint8."""
         from sim_bridge.cameras import pinhole_rays
 
         focal_px = size[1] / 2.0 / math.tan(_FOV_RAD / 2.0)
         rays = pinhole_rays(*size, focal_px, samples=2)
-        light = self._scene().light_at(rays, looking(eye, target), has_ceiling=False)
+        light = self._scene().light_at(rays, looking(eye, target, up), has_ceiling=False)
         return np.clip(np.rint(255.0 * light), 0, 255).astype(np.uint8)
 
     def _scene(self) -> Scene:
@@ -111,10 +112,14 @@ class Views:
         return self._made
 
 
-def looking(eye: tuple[float, float, float], target: tuple[float, float, float]) -> np.ndarray:
-    """Return the pose of a camera (x right, y down, z along the view) with +y of the world up."""
+def looking(
+    eye: tuple[float, float, float],
+    target: tuple[float, float, float],
+    up: tuple[float, float, float],
+) -> np.ndarray:
+    """Return the pose of a camera: x right, y down, z along the view; `up` is up in its image."""
     forward = np.subtract(target, eye) / np.linalg.norm(np.subtract(target, eye))
-    right = np.cross(forward, (0.0, 1.0, 0.0) if abs(forward[2]) > 0.2 else (0.0, 0.0, 1.0))
+    right = np.cross(forward, up)
     right /= np.linalg.norm(right)
     T = np.eye(4)
     T[:3, :3] = np.column_stack((right, np.cross(forward, right), forward))

@@ -19,6 +19,7 @@ from floornav_common.ros.qos import (
 from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
 from floornav_common.transform3 import Transform3
 from sim_bridge.drive import Velocity
+from sim_bridge.nodes.camera_port import CameraPort
 from sim_bridge.nodes.sonar_port import SonarPort
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.ros_conversions import ground_truth_msg, odometry_msg, scan_msg, velocity_from_msg
@@ -60,6 +61,7 @@ class RobotPort:
         self._base = self._prefix + node.frames.base_frame
         self._scan_pub = create_publisher(node, LaserScan, f"{topic}scan", RELIABLE_QOS)
         self._sonar = SonarPort(node, topic, self._prefix, model, is_one_topic=is_one_sonar_topic)
+        self._cameras = CameraPort(node, topic, self._prefix, model)
         self._odom_pub = create_publisher(node, Odometry, f"{topic}odom", RELIABLE_QOS)
         self._truth_pub = create_publisher(
             node, Odometry, f"{topic}ground_truth/odom", RELIABLE_QOS
@@ -98,6 +100,7 @@ class RobotPort:
             self._scan_pub.publish(scan_msg(seen.scan, config.laser, stamp_ns, frame))
         if seen.sonar is not None:
             self._sonar.publish(stamp_ns, seen.sonar)
+        self._cameras.publish(stamp_ns, seen)
         if seen.ground_truth.is_touching != self._was_touching:
             self._was_touching = seen.ground_truth.is_touching
             self._touch_pub.publish(Bool(data=self._was_touching))
