@@ -62,7 +62,8 @@ class Wall:
         if self.length < 1e-6:
             raise ValueError(f"the wall at {list(self.from_m)} has zero length")
         _require_positive(thickness_m=self.thickness_m, height_m=self.height_m)
-        for part in (self, *self.doors):
+        parts: tuple[Wall | Door, ...] = (self, *self.doors)
+        for part in parts:
             if part.frame is not None and part.glass is None:
                 raise ValueError("a frame needs glass in it")
             if part.frame is not None and 2.0 * part.frame.rail_m >= self.height_m:
