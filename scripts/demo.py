@@ -1,7 +1,10 @@
-"""Drive a robot through a simulated world and map it, every node a process of its own.
+"""Drive robots through a simulated world, every node a process of its own; map it or picture it.
 
 sim_bridge simulates, grid_mapper maps, route_follower steers by the mapper's pose (never by
 ground truth), record.py writes the bag; all talk over DDS in a domain of this run's own.
+
+That is for worlds with a route for one robot with a laser. In every other world the robots are
+driven by a script, and the page shows the world from above and what each sensor gave.
 """
 
 from __future__ import annotations
@@ -26,8 +29,9 @@ from floornav_common.reporting import (
     summary,
 )
 from sim_bridge.physics import PybulletMissingError, require_pybullet
-from sim_bridge.schema import WorldError
-from sim_bridge.world import load_world, world_names
+from sim_bridge.robot_model import load_robot
+from sim_bridge.schema import WorldError, parsed_parameters
+from sim_bridge.world import World, load_world, world_names
 
 _KEYS = (
     "world", "sim_s", "rtf", "path_m", "scans", "scans_used", "ate_m", "final_error_m",
@@ -35,28 +39,26 @@ _KEYS = (
     "odometry_final_yaw_error_deg", "map_error_m", "map_error_p95_m", "occupied_cells", "touched",
     "bag",
 )  # fmt: skip
+_TOUR_KEYS = ("world", "sim_s", "rtf", "robots", "people", "bag")
 
 
 def main() -> int:
     """Run the demo."""
     args = _parser().parse_args()
     try:
-        world = load_world(args.world)
+        world = load_world(args.world, parsed_parameters(args.set))
         require_pybullet()
     except WorldError as error:
         raise UserError(str(error)) from error
     except PybulletMissingError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
-    if world.route is None or len(world.robots) != 1:
-        raise UserError(f"the demo needs a world with a route and one robot; {world.name} has not")
     has_window = _has_window(args)
     out = open_out_dir("demo", world.name, args.out)
-    values: dict[str, Any] = dict.fromkeys(_KEYS)
+    is_mapped = _is_mapped(world)
+    values: dict[str, Any] = dict.fromkeys(_KEYS if is_mapped else _TOUR_KEYS)
     values["world"] = world.name
-    from _demo_run import Demo
-
-    demo = Demo(world, args, out, has_window)
+    demo = _make(world, args, out, has_window, is_mapped=is_mapped)
     with summary(out, command="demo", seed=args.seed, values=values) as filled:
         try:
             demo.run()
@@ -68,17 +70,40 @@ def main() -> int:
     return 1 if demo.problem else 0
 
 
+def _is_mapped(world: World) -> bool:
+    """Tell whether a world has a route for one robot with a laser."""
+    if world.route is None or len(world.robots) != 1:
+        return False
+    return load_robot(world.robots[0]).config.laser is not None
+
+
+def _make(
+    world: World, args: argparse.Namespace, out: Path, has_window: bool, *, is_mapped: bool
+) -> Any:
+    if is_mapped:
+        from _demo_run import Demo
+
+        return Demo(world, args, out, has_window)
+    from _demo_tour import Tour
+
+    return Tour(world, args, out, has_window)
+
+
 def _print_result(out: Path, values: dict[str, Any], problem: str, *, is_quiet: bool) -> None:
     if problem:
         print(f"demo failed: {problem}", file=sys.stderr)
-    if values["ate_m"]["rms"] is not None:
+    if "ate_m" not in values:
+        people = f", {values['people']} people" if values["people"] else ""
+        text = f"{values['sim_s']:.1f} s simulated: {len(values['robots'])} robots{people}"
+        say(text, is_quiet=is_quiet)
+    elif values["ate_m"]["rms"] is not None:
         say(
             f"{values['path_m']:.1f} m driven in {values['sim_s']:.1f} s: trajectory error "
             f"{values['ate_m']['rms']:.3f} m rms (odometry alone ended "
             f"{values['odometry_final_error_m']:.2f} m off)",
             is_quiet=is_quiet,
         )
-    if values["map_error_m"] is not None:
+    if values.get("map_error_m") is not None:
         say(f"map: occupied cells lie {values['map_error_m']:.3f} m from true surfaces (mean)",
             is_quiet=is_quiet)  # fmt: skip
     say(f"report: {out / 'report.html'}", is_quiet=is_quiet)
@@ -98,7 +123,9 @@ def _parser() -> argparse.ArgumentParser:
     window = parser.add_mutually_exclusive_group()
     window.add_argument("--headless", action="store_true", help="no window (default: no display)")
     window.add_argument("--view", action="store_true", help="show pybullet's window")
-    text = "stop after so many simulated seconds (default: at the end of the route)"
+    text = "a figure that the world file names, such as start_distance_m=4.7; may be repeated"
+    parser.add_argument("--set", action="append", metavar="NAME=VALUE", default=[], help=text)
+    text = "stop after so many simulated seconds (default: at the end of the route, else 20)"
     parser.add_argument("--duration", type=_positive, metavar="S", default=None, help=text)
     text = "simulated seconds in a second (default: 3; 0 = as fast as it goes)"
     parser.add_argument("--rtf", type=float, default=3.0, metavar="F", help=text)

@@ -92,3 +92,22 @@ def _running_with(text: str) -> list[str]:
         if text in line and str(os.getpid()) != path.parent.name:
             found.append(line)
     return found
+
+
+def test_a_world_without_a_route_is_driven_and_pictured(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    code, text = _run("sjmc_oncoming", "--duration", "3", "--out", str(out))
+    assert code == 0, text
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["ok"] and summary["sim_s"] >= 3.0 and summary["people"] == 1
+    robot = summary["robots"][""]
+    assert robot["path_m"] > 0.3 and robot["messages"]["scan"] > 20
+    for name in ("plan.png", "world.png", "report.html"):
+        assert (out / name).stat().st_size > 1000, name
+    assert (out / summary["bag"] / "metadata.yaml").exists()
+
+
+def test_an_unknown_figure_of_a_world_is_one_line() -> None:
+    code, text = _run("sjmc_static", "--set", "distance=2")
+    assert code == 2
+    assert text.count("\n") == 1 and "start_distance_m" in text

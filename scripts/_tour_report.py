@@ -1,0 +1,140 @@
+"""Pictures and page of a demo that drives through a world without mapping it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from _tour_watch import RobotHeard, TourWatch
+from floornav_common.reporting import Figures, Picture, Section, Table, write_html
+from floornav_common.transform3 import Transform3
+from sim_bridge.drawing import draw_solids
+from sim_bridge.people.config import PeopleConfig
+from sim_bridge.robot_model import RobotModel
+from sim_bridge.solids import Solid
+from sim_bridge.world import World
+
+_LASER, _SONAR, _PERSON = "#d7301f", "#6a3fb5", "#e0861a"
+_ROBOTS = ("#1a7f4b", "#2b7de0", "#8a5cc2", "#b5651d", "#0f8a8a", "#c2185b", "#5d7a00", "#455a64")
+
+
+def write_plan(
+    path: Path,
+    world: World,
+    solids: list[Solid],
+    models: Mapping[str, RobotModel],
+    heard: TourWatch,
+) -> None:
+    """Draw everything from above: ways of robots and people, and the last scan and echoes."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(11.0, 8.6), layout="constrained")
+    draw_solids(axes, solids, _height_of_laser(models))
+    _draw_people(axes, heard, world.people_model)
+    for number, (name, model) in enumerate(models.items()):
+        color = _ROBOTS[number % len(_ROBOTS)]
+        _draw_robot(axes, name, model, heard.robots[name], color)
+    axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    figure.legend(loc="outside upper center", ncols=8, frameon=False)
+    figure.savefig(path, dpi=100)
+    plt.close(figure)
+
+
+def write_images(out: Path, robots: Mapping[str, RobotHeard]) -> list[Picture]:
+    """Write the last image of every camera; returns them for the page."""
+    from matplotlib.image import imsave
+
+    pictures = []
+    for name, heard in robots.items():
+        for topic, image in heard.images.items():
+            whole = f"{name}/{topic}" if name else topic
+            path = out / f"{whole.replace('/', '_')}.png"
+            imsave(path, image)
+            size = f"{image.shape[1]} x {image.shape[0]}"
+            pictures.append(Picture(path, f"{whole}, {size}, the last of {heard.counts[topic]}"))
+    return pictures
+
+
+def write_page(
+    out: Path, title: str, values: dict[str, Any], problem: str, images: list[Picture]
+) -> None:
+    """Write `report.html`."""
+    state = ("result", problem.splitlines()[0], "bad") if problem else ("result", "done", "good")
+    shown = Figures(
+        [
+            state,
+            ("simulated", f"{values['sim_s']:.1f} s"),
+            ("robots", str(len(values["robots"]))),
+            ("people, at most", str(values["people"])),
+            ("times real time", f"{values['rtf']:.1f}" if values["rtf"] else "–"),
+        ]
+    )
+    plan = (
+        "From above: lines are the ways of robots and people (from ground truth), red the last "
+        "scan, violet arcs the last echoes; blue-green walls are glass."
+    )
+    rows = [
+        [name or "(unnamed)", row["model"], f"{row['path_m']:.2f}", row["touched"], row["messages"]]
+        for name, row in values["robots"].items()
+    ]
+    header = ["robot", "model", "driven [m]", "touched", "messages"]
+    sections = [
+        Section("", [shown, Picture(out / "plan.png", plan)]),
+        Section(
+            "World",
+            [Picture(out / "world.png", "The world from above, after 6 s of such a drive.")],
+        ),
+        *([Section("Cameras", images)] if images else []),
+        Section("Robots", [Table(header, rows)]),
+    ]
+    write_html(out, title, sections, "Simulated by sim_bridge, over DDS, in simulated time")
+
+
+def _draw_people(axes: Any, heard: TourWatch, body: PeopleConfig) -> None:
+    if not heard.people:
+        return
+    points = np.array([(p.x, p.y) for _, people in heard.people for p in people]).reshape(-1, 2)
+    axes.plot(*points.T, ".", color=_PERSON, ms=1.5, alpha=0.5, zorder=3)
+    for k, person in enumerate(heard.people[-1][1]):
+        outline = person @ (
+            body.torso_radius_m
+            * np.array([[np.cos(a), np.sin(a)] for a in np.linspace(0, 6.3, 25)])
+        )
+        axes.fill(*outline.T, color=_PERSON, zorder=6, label="people" if k == 0 else None)
+
+
+def _draw_robot(axes: Any, name: str, model: RobotModel, heard: RobotHeard, color: str) -> None:
+    if not heard.truth:
+        return
+    way = np.array([(pose.x, pose.y) for _, pose in heard.truth])
+    axes.plot(*way.T, color=color, lw=1.6, zorder=4, label=name or "robot")
+    corners = heard.truth[-1][1] @ np.array(model.config.footprint_m)
+    axes.fill(*corners.T, facecolor="white", edgecolor=color, lw=1.6, zorder=6)
+    if heard.scan is not None and model.config.laser is not None:
+        stamp_ns, scan = heard.scan
+        points = _place(model, model.config.laser.frame, heard, stamp_ns) @ scan.points()
+        axes.plot(*points.T, ".", color=_LASER, ms=2.2, zorder=5)
+    for frame, (stamp_ns, reading) in heard.sonar.items():
+        if reading.is_hit:
+            angles = np.linspace(-0.5, 0.5, 13) * reading.field_of_view
+            arc = reading.range * np.column_stack((np.cos(angles), np.sin(angles)))
+            axes.plot(*(_place(model, frame, heard, stamp_ns) @ arc).T, color=_SONAR, lw=1.4)
+
+
+def _place(model: RobotModel, frame: str, heard: RobotHeard, stamp_ns: int) -> Any:
+    pose = heard.pose_at(stamp_ns)
+    assert pose is not None
+    return pose @ Transform3(model.mounts[frame]).to_se2()
+
+
+def _height_of_laser(models: Mapping[str, RobotModel]) -> float | None:
+    for model in models.values():
+        if model.config.laser is not None:
+            return float(model.mounts[model.config.laser.frame][2, 3])
+    return None
