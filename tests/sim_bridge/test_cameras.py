@@ -172,3 +172,9 @@ def test_a_mirror_elsewhere_than_its_figures_say_is_refused() -> None:
     )
     with pytest.raises(WorldError, match="viewpoint"):
         load_robot(placement)
+
+
+def test_the_number_of_threads_changes_no_byte(simulate) -> None:
+    world = load_world("small_size_field")
+    images = [_omni(simulate(world, num_threads=n)).tobytes() for n in (1, 2)]
+    assert images[0] == images[1]

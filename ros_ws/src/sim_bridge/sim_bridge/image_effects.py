@@ -32,18 +32,20 @@ class ImageSensor:
         tint = 255.0 * config.exposure * np.array(config.color)
         self._gain = (falloff[:, :, None] * tint).astype(np.float32)
         self._pool = rng.standard_normal(max(_POOL, 2 * self._gain.size), dtype=np.float32)
+        self._develop(np.zeros(0, np.float32), np.zeros(0, np.float32), 0)  # compiles
 
     def expose(self, light: np.ndarray) -> np.ndarray:
         """Return the image, RGB uint8, of light (height, width, 3) float32."""
         sd = self._config.blur_sd_px
         blurred = cv2.GaussianBlur(light, (0, 0), sd) if sd > 0.0 else light
         start = int(self._rng.integers(len(self._pool) - light.size + 1))
-        noise = self._pool[start : start + light.size]
-        image = np.empty(light.shape, dtype=np.uint8)
-        _expose(
-            blurred.ravel(), self._gain.ravel(), noise, np.float32(self._config.noise_sd**2),
-            np.float32(self._config.shot_noise), image.ravel(),
-        )  # fmt: skip
+        return self._develop(blurred.ravel(), self._gain.ravel(), start).reshape(light.shape)
+
+    def _develop(self, light: np.ndarray, gain: np.ndarray, start: int) -> np.ndarray:
+        image = np.empty(len(light), dtype=np.uint8)
+        noise = self._pool[start : start + len(light)]
+        dark, per_level = self._config.noise_sd**2, self._config.shot_noise
+        _expose(light, gain, noise, np.float32(dark), np.float32(per_level), image)
         return image
 
 

@@ -9,6 +9,7 @@ that a tile's rays can reach are tried there, and only those that can shade what
 from __future__ import annotations
 
 import math
+from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numba
@@ -76,6 +77,8 @@ def render(
     ground: Ground,
     lighting: Lighting,
     atlas: TextureAtlas,
+    pool: Executor | None = None,
+    num_threads: int = 1,
 ) -> np.ndarray:
     """Return the light that reaches a camera, (height, width, 3) float32, RGB, 1 = white floor.
 
@@ -86,35 +89,44 @@ def render(
         ground: Floor and ceiling.
         lighting: The lamp.
         atlas: All textures.
+        pool: What runs more than one thread; the image does not depend on it.
+        num_threads: How many share the tiles.
     """
     image = np.zeros((rays.height * rays.width, 3), dtype=np.float32)
     lamp = T_world_camera[:3, :3].T @ np.array(lighting.direction)
     lamps = shapes.places[:, :9].reshape(-1, 3, 3) @ lamp
     pose = np.ascontiguousarray(T_world_camera)
-    _render(
+    arguments = (
         rays.directions, rays.patch, rays.pixels, rays.tile_starts, rays.tile_axes,
         rays.tile_spreads, pose, shapes.places, shapes.kinds, shapes.textures, shapes.is_glass,
         lamps, ground, lighting, atlas.texels, atlas.levels, atlas.texel_sizes, image,
     )  # fmt: skip
+    if pool is None:
+        _render(0, 1, *arguments)
+    else:
+        list(pool.map(lambda k: _render(k, num_threads, *arguments), range(num_threads)))
     return image.reshape(rays.height, rays.width, 3)
 
 
 def _solid_angles(middle: np.ndarray) -> np.ndarray:
+    # A single pixel has no neighbors to measure by.
+    if min(middle.shape[:2]) < 2:
+        return np.ones(middle.shape[:2])
     down, right = np.gradient(middle, axis=(0, 1))
     return np.asarray(np.linalg.norm(np.cross(down, right), axis=-1))
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _render(  # type: ignore[no-untyped-def]
-    directions, patch, pixels, tile_starts, tile_axes, tile_spreads, T, places, kinds, textures,
-    is_glass, lamps, ground, lighting, texels, levels, texel_sizes, image,
+    start, step, directions, patch, pixels, tile_starts, tile_axes, tile_spreads, T, places, kinds,
+    textures, is_glass, lamps, ground, lighting, texels, levels, texel_sizes, image,
 ):  # fmt: skip
     num_rays = directions.shape[1]
     most = TILE_PX * TILE_PX * num_rays
     near, depth, veils = np.empty(len(kinds)), np.empty(most), np.empty(most)
     hits, shadows = np.empty(most, np.int64), np.empty(most, np.bool_)
     listed = np.empty(len(kinds), np.int64)
-    for tile in range(len(tile_spreads)):
+    for tile in range(start, len(tile_spreads), step):
         first, end = tile_starts[tile], tile_starts[tile + 1]
         count = _reached(tile_axes, tile_spreads, tile, places, near, listed)
         _end_rays(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -22,9 +23,12 @@ class Scene:
         world: Floor, lamp and ceiling.
         drawn: The shapes.
         T_new_old: How the whole world was moved, (4, 4): floor and lamp move with it.
+        num_threads: Threads that draw.
     """
 
-    def __init__(self, world: World, drawn: DrawnShapes, T_new_old: np.ndarray) -> None:
+    def __init__(
+        self, world: World, drawn: DrawnShapes, T_new_old: np.ndarray, num_threads: int = 1
+    ) -> None:
         self._drawn, self._T_old_new = drawn, np.linalg.inv(T_new_old)
         names = sorted({name for name in drawn.textures if name})
         pictures, sizes = [pattern(name) for name in names], [PATTERN_TEXEL] * len(names)
@@ -42,6 +46,8 @@ class Scene:
             pictures, sizes = [*pictures, floor], [*sizes, world.floor.texel_m]
         self._atlas = atlas_of(pictures, sizes)
         self._lighting = _lighting(world)
+        self._num_threads = num_threads
+        self._pool = ThreadPoolExecutor(num_threads, "draw") if num_threads > 1 else None
 
     def light_at(
         self, rays: Rays, T_world_camera: np.ndarray, *, has_ceiling: bool = True
@@ -52,7 +58,7 @@ class Scene:
             ground = ground._replace(ceiling=math.inf)
         return render(
             rays, self._T_old_new @ T_world_camera, self._around(T_world_camera), ground,
-            self._lighting, self._atlas,
+            self._lighting, self._atlas, self._pool, self._num_threads,
         )  # fmt: skip
 
     def _around(self, T_world_camera: np.ndarray) -> Shapes:

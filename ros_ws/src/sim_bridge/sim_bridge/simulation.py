@@ -109,6 +109,7 @@ class Simulation:
         seed: Seed of every random number.
         has_window: True shows pybullet's window.
         T_new_old: Moves the whole world, robots included (for the test that this changes nothing).
+        num_threads: Threads that draw camera images; the images do not depend on it.
 
     Raises:
         WorldError: Unknown robot model, or a robot that starts inside something.
@@ -121,6 +122,7 @@ class Simulation:
         seed: int = 0,
         has_window: bool = False,
         T_new_old: SE2 | None = None,
+        num_threads: int = 1,
     ) -> None:
         T = SE2.identity() if T_new_old is None else T_new_old
         self.world = world
@@ -134,7 +136,7 @@ class Simulation:
             self.solids, robots, STEP_NS * 1e-9, movers=self._people.parts, has_window=has_window
         )
         self._panes = panes_of(self.solids)
-        self.views = Views(world, self._physics, self.models, T, STEP_NS)
+        self.views = Views(world, self._physics, self.models, T, STEP_NS, num_threads)
         self._seed = seed
         self._states: dict[str, _RobotState] = {}
         self.stamp_ns = 0

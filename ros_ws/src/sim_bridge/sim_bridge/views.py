@@ -33,6 +33,7 @@ class Views:
         models: Of the robots, by name.
         T_new_old: How the whole world was moved.
         step_ns: Length of a simulation step.
+        num_threads: Threads that draw.
     """
 
     def __init__(
@@ -42,9 +43,10 @@ class Views:
         models: Mapping[str, RobotModel],
         T_new_old: SE2,
         step_ns: int,
+        num_threads: int = 1,
     ) -> None:
         self._world, self._physics, self._models = world, physics, models
-        self._T, self._step_ns = T_new_old, step_ns
+        self._T, self._step_ns, self._num_threads = T_new_old, step_ns, num_threads
         self._made: Scene | None = None
         self._cameras: dict[str, Cameras] = {}
 
@@ -108,7 +110,7 @@ class Views:
             T = np.eye(4)
             c, s = math.cos(self._T.yaw), math.sin(self._T.yaw)
             T[:2, :2], T[:2, 3] = [[c, -s], [s, c]], [self._T.x, self._T.y]
-            self._made = Scene(self._world, self._physics.drawn_shapes(), T)
+            self._made = Scene(self._world, self._physics.drawn_shapes(), T, self._num_threads)
         return self._made
 
 

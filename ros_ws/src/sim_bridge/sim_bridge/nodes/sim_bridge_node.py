@@ -51,6 +51,7 @@ class SimBridgeNode(FloornavNode):
                 load_world(self._config.world, parsed_parameters(self._config.world_parameters)),
                 seed=self._config.seed,
                 has_window=self._config.view,
+                num_threads=self.get_parameter("num_threads").value,
             )
         except (WorldError, PybulletMissingError) as error:
             raise ParameterError(str(error)) from error
