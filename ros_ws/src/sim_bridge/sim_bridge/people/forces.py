@@ -64,3 +64,16 @@ def push_of_walls(config: PeopleConfig, positions: np.ndarray, obstacles: Obstac
     size = np.exp(-distance[rows, nearest] / config.wall_range_m)
     size *= config.wall_push_m2_s2 / config.wall_range_m
     return np.asarray(size[:, None] * away[rows, nearest])
+
+
+def kept_apart(positions: np.ndarray, others: np.ndarray, least: float) -> np.ndarray:
+    """Return positions (N, 2) with each moved off others (M, 2) that are nearer than `least`.
+
+    Bodies do not pass through each other, which the forces alone do not see to; each gives way by
+    half of what is missing. An other at the same place is the person itself.
+    """
+    off = positions[:, None, :] - others[None, :, :]
+    distance = np.linalg.norm(off, axis=2)
+    missing = np.where(distance > _NEAREST, np.maximum(least - distance, 0.0), 0.0)
+    unit = off / np.maximum(distance, _NEAREST)[..., None]
+    return np.asarray(positions + 0.5 * (missing[..., None] * unit).sum(axis=1))

@@ -19,6 +19,7 @@ from sim_bridge.people.yielding import Robot
 from sim_bridge.solids import Solid
 
 _TRIES = 1000
+_SHORTEST_LEG = 1.0
 _AWAY = -50.0  # below the floor, apart from each other: where the bodies of absent people are
 
 
@@ -153,6 +154,8 @@ class People:
 def drawn_walkers(crowd: Crowd, obstacles: Obstacles, seed: int) -> list[WalkerPlan]:
     """Return the walkers of a crowd: to and fro between free places of its rectangle.
 
+    Every leg is free too: the forces push people off a pillar but do not find the way round it.
+
     Raises:
         ValueError: If no free places are found.
     """
@@ -160,9 +163,10 @@ def drawn_walkers(crowd: Crowd, obstacles: Obstacles, seed: int) -> list[WalkerP
     for number in range(crowd.num):
         name = f"walker {number + 1}"
         rng = person_rng(seed, f"ways of {name}")
-        starts = [plan.path_m[0] for plan in plans]
-        points = [_free_place(crowd, obstacles, rng, starts)]
-        points += [_free_place(crowd, obstacles, rng, []) for _ in range(crowd.num_goals - 1)]
+        others = np.array([plan.path_m[0] for plan in plans]).reshape(-1, 2)
+        points = [_free_place(crowd, obstacles, rng, others, None)]
+        for _ in range(crowd.num_goals - 1):
+            points.append(_free_place(crowd, obstacles, rng, others[:0], points[-1]))
         plans.append(WalkerPlan(name=name, path_m=tuple(points), repeats=True, is_reacting=True))
     return plans
 
@@ -171,14 +175,20 @@ def _free_place(
     crowd: Crowd,
     obstacles: Obstacles,
     rng: np.random.Generator,
-    others: Sequence[tuple[float, float]],
+    others: np.ndarray,
+    last: tuple[float, float] | None,
 ) -> tuple[float, float]:
+    """Draw a place off solids and others (M, 2), in a straight and free line from the last."""
     for _ in range(_TRIES):
-        x, y = rng.uniform(crowd.low_m, crowd.high_m)
-        distance, _ = obstacles.away(np.array([[x, y]]))
-        is_alone = all(math.dist((x, y), other) > 2 * crowd.free_m for other in others)
-        if distance.min(initial=math.inf) >= crowd.free_m and is_alone:
-            return float(x), float(y)
+        place = rng.uniform(crowd.low_m, crowd.high_m)
+        start = place if last is None else np.array(last)
+        length = float(np.hypot(*(place - start)))
+        way = np.linspace(start, place, 2 + int(length / 0.2))
+        is_alone = (np.hypot(*(others - place).T) > 2.0 * crowd.free_m).all()
+        is_far = last is None or length > _SHORTEST_LEG
+        distance, _ = obstacles.away(way)
+        if is_alone and is_far and distance.min(initial=math.inf) >= crowd.free_m:
+            return float(place[0]), float(place[1])
     raise ValueError(f"no place free by {crowd.free_m:g} m in the rectangle of the crowd")
 
 

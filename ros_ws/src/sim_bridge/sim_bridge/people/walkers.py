@@ -10,7 +10,7 @@ import numpy as np
 
 from floornav_common.se2 import wrap_angle
 from sim_bridge.people.config import PeopleConfig
-from sim_bridge.people.forces import push_between, push_of_walls, seen_share
+from sim_bridge.people.forces import kept_apart, push_between, push_of_walls, seen_share
 from sim_bridge.people.obstacles import Obstacles
 from sim_bridge.people.plan_progress import PlanProgress
 from sim_bridge.people.schema import WalkerPlan
@@ -95,6 +95,11 @@ class Walkers:
             if not self._plans[k].is_reacting:
                 self.positions[k], self.velocities[k] = progress.advance(before[k], dt)
         self.positions[self._reacting] += dt * self.velocities[self._reacting]
+        if self._reacting:
+            others = np.vstack((self.positions, passers[:, :2]))
+            least = 2.0 * self._config.torso_radius_m
+            moved = kept_apart(self.positions[self._reacting], others, least)
+            self.positions[self._reacting] = moved
         self.walked += np.hypot(*(self.positions - before).T)
         self._turn(dt)
 
