@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sim_bridge.bodies import FLOOR, make_robot, make_solid
 from sim_bridge.drawn_shapes import DrawnShapes
 from sim_bridge.drive import Velocity
 from sim_bridge.engine import PybulletMissingError, connect, require_pybullet
@@ -27,7 +27,6 @@ _SCENERY_GROUP = 1
 _GLASS_GROUP = 2
 _ALL_GROUPS = 0x3FFFFFFF
 _STANDING_GROUP = 1 << 29  # for contacts only
-_FLOOR_HALF_EDGE = 50.0
 
 
 class Physics:
@@ -58,20 +57,19 @@ class Physics:
         self._solids: dict[int, Solid] = {}
         # The engine's own renderer knows only opaque and absent; its window can blend.
         self._glass_alpha = 0.3 if has_window else 0.0
-        self._floor = self._add_solid(_floor())
+        self._floor = self._add_solid(FLOOR)
         for solid in solids:
             self._add_solid(solid)
         self._movers = [(self._add_solid(m), m.bottom + m.size[2] / 2.0) for m in movers]
         for name, (model, pose) in robots.items():
             self._add_robot(name, model, pose)
-        engine = self._engine
-        engine.setGravity(0.0, 0.0, -9.81, physicsClientId=self._client)
+        engine, client = self._engine, self._client
+        engine.setGravity(0.0, 0.0, -9.81, physicsClientId=client)
         engine.setPhysicsEngineParameter(
-            fixedTimeStep=dt, deterministicOverlappingPairs=1, physicsClientId=self._client
+            fixedTimeStep=dt, deterministicOverlappingPairs=1, physicsClientId=client
         )
-        self._start = engine.saveState(physicsClientId=self._client)
-        self._rays = RayScene(engine, self._client, self._body_groups, self._moving_bodies())
-        self._dt = dt
+        self._start, self._dt = engine.saveState(physicsClientId=client), dt
+        self._rays = RayScene(engine, client, self._body_groups, self._moving_bodies())
 
     def close(self) -> None:
         """Free the engine."""
@@ -209,30 +207,8 @@ class Physics:
         )
 
     def _add_solid(self, solid: Solid) -> int:
-        engine, client = self._engine, self._client
-        half = [extent / 2.0 for extent in solid.size]
-        shape: dict[str, Any] = {"radius": half[0]} if solid.is_round else {"halfExtents": half}
-        lengths: tuple[dict[str, float], dict[str, float]] = {}, {}
-        kind = engine.GEOM_BOX
-        if solid.is_ball:
-            kind = engine.GEOM_SPHERE
-        elif solid.is_round:
-            kind = engine.GEOM_CYLINDER
-            lengths = {"height": solid.size[2]}, {"length": solid.size[2]}
-        body: int = engine.createMultiBody(
-            solid.mass,
-            engine.createCollisionShape(kind, **shape, **lengths[0], physicsClientId=client),
-            engine.createVisualShape(
-                kind,
-                rgbaColor=[*solid.color, 1.0 if solid.glass is None else self._glass_alpha],
-                **shape,
-                **lengths[1],
-                physicsClientId=client,
-            ),
-            [solid.pose.x, solid.pose.y, solid.bottom + half[2]],
-            [0.0, 0.0, math.sin(solid.pose.yaw / 2.0), math.cos(solid.pose.yaw / 2.0)],
-            physicsClientId=client,
-        )
+        alpha = 1.0 if solid.glass is None else self._glass_alpha
+        body = make_solid(self._engine, self._client, solid, alpha)
         group = _SCENERY_GROUP if solid.glass is None else _GLASS_GROUP
         # What stands for ever need not be tested against each other: that is most of a step.
         stands = solid.mass == 0.0
@@ -243,23 +219,10 @@ class Physics:
         return body
 
     def _add_robot(self, name: str, model: RobotModel, pose: SE2) -> None:
-        engine, client = self._engine, self._client
-        body = engine.loadURDF(
-            str(model.urdf_path),
-            [pose.x, pose.y, 0.0],
-            [0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)],
-            flags=engine.URDF_USE_IMPLICIT_CYLINDER,  # not a polyhedron
-            physicsClientId=client,
-        )
+        body = make_robot(self._engine, self._client, model, pose, self._floor)
         self._bodies[name] = body
         self._groups[name] = 1 << (len(self._bodies) + 1)
         self._set_group(body, self._groups[name])
-        for link in range(-1, engine.getNumJoints(body, physicsClientId=client)):
-            engine.changeDynamics(
-                body, link, linearDamping=0.0, angularDamping=0.0, lateralFriction=0.2,
-                physicsClientId=client,
-            )  # fmt: skip
-            engine.setCollisionFilterPair(body, self._floor, link, -1, 0, physicsClientId=client)
 
     def _moving_bodies(self) -> list[int]:
         pushed = [body for body, solid in self._solids.items() if solid.mass > 0.0]
@@ -273,8 +236,3 @@ class Physics:
             self._engine.setCollisionFilterGroupMask(
                 body, link, group, mask, physicsClientId=self._client
             )
-
-
-def _floor() -> Solid:
-    edge = 2.0 * _FLOOR_HALF_EDGE
-    return Solid("floor", SE2.identity(), (edge, edge, 0.1), -0.1, False, (0.62, 0.60, 0.56), 0.0)

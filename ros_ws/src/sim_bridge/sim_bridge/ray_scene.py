@@ -150,14 +150,18 @@ def _cast(  # type: ignore[no-untyped-def]
         shares[n] = best if first >= 0 else np.inf
         if first >= 0:
             x, y, z = sx + best * dx, sy + best * dy, sz + best * dz
-            px, py, pz = turned(
-                places, first, x - middles[first, 0], y - middles[first, 1], z - middles[first, 2]
-            )
-            a, b, c = normal_at(kinds[first], places, first, px, py, pz)
-            for k in range(3):
-                normals[n, k] = (
-                    places[first, k] * a + places[first, 3 + k] * b + places[first, 6 + k] * c
-                )
+            _write_normal(kinds[first], places, middles, first, x, y, z, normals, n)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _write_normal(  # type: ignore[no-untyped-def]
+    kind, places, middles, i, x, y, z, normals, n
+):
+    """Write the outward normal of shape i at a point, in the world, to row n of normals."""
+    px, py, pz = turned(places, i, x - middles[i, 0], y - middles[i, 1], z - middles[i, 2])
+    a, b, c = normal_at(kind, places, i, px, py, pz)
+    for k in range(3):
+        normals[n, k] = places[i, k] * a + places[i, 3 + k] * b + places[i, 6 + k] * c
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")

@@ -54,20 +54,21 @@ def filled_in(data: dict[str, Any], given: Mapping[str, Any], where: str) -> dic
         if name not in defaults:
             raise WorldError(f"{where}: no parameter named {name!r}; there are: {known}")
     values = {**defaults, **given}
+    rest = {key: item for key, item in data.items() if key != "parameters"}
+    return {**_filled(rest, values, where), **({"parameters": values} if values else {})}
 
-    def fill(item: Any) -> Any:
-        if isinstance(item, dict):
-            return {key: fill(value) for key, value in item.items()}
-        if isinstance(item, list):
-            return [fill(value) for value in item]
-        if isinstance(item, str) and item.startswith("$"):
-            if item[1:] not in values:
-                raise WorldError(f"{where}: no parameter named {item[1:]!r}; there are: {known}")
-            return values[item[1:]]
-        return item
 
-    rest = {key: fill(value) for key, value in data.items() if key != "parameters"}
-    return {**rest, **({"parameters": values} if values else {})}
+def _filled(item: Any, values: Mapping[str, Any], where: str) -> Any:
+    if isinstance(item, dict):
+        return {key: _filled(value, values, where) for key, value in item.items()}
+    if isinstance(item, list):
+        return [_filled(value, values, where) for value in item]
+    if isinstance(item, str) and item.startswith("$"):
+        if item[1:] not in values:
+            known = ", ".join(values) or "none"
+            raise WorldError(f"{where}: no parameter named {item[1:]!r}; there are: {known}")
+        return values[item[1:]]
+    return item
 
 
 def parsed_parameters(texts: Sequence[str]) -> dict[str, Any]:
