@@ -8,15 +8,15 @@ that a tile's rays can reach are tried there, and only those that can shade what
 
 from __future__ import annotations
 
-import math
 from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
-from sim_bridge.ray_shapes import entry_bound, is_between, meet, turned
+from sim_bridge.ray_shapes import entry_bound, meet, turned
 from sim_bridge.shading import Ground, Lighting, Shapes, shade
+from sim_bridge.shadows import cast_shadows, shading_shapes
 from sim_bridge.textures import TextureAtlas
 
 TILE_PX = 8
@@ -135,8 +135,8 @@ def _render(  # type: ignore[no-untyped-def]
         )  # fmt: skip
         shadows[:] = False
         if lighting.shadow > 0.0:
-            count = _shading(directions, first, end, depth, places, is_glass, lamps, listed)
-            _cast_shadows(
+            count = shading_shapes(directions, first, end, depth, places, is_glass, lamps, listed)
+            cast_shadows(
                 directions, first, end, depth, hits, places, kinds, lamps, listed, count, shadows
             )
         for p in range(first, end):
@@ -147,9 +147,8 @@ def _render(  # type: ignore[no-untyped-def]
                     hits[k], veils[k], shadows[k], patch[p], T, places, kinds, textures, lamps,
                     ground, lighting, texels, levels, texel_sizes,
                 )  # fmt: skip
-                image[pixels[p], 0] += r / num_rays
-                image[pixels[p], 1] += g / num_rays
-                image[pixels[p], 2] += b / num_rays
+                for c, value in enumerate((r, g, b)):
+                    image[pixels[p], c] += value / num_rays
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -205,58 +204,3 @@ def _end_rays(  # type: ignore[no-untyped-def]
                             best, hit = t, i
             k = (p - first) * num_rays + s
             depth[k], hits[k], veils[k] = best, hit, panes
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _shading(directions, first, end, depth, places, is_glass, lamps, listed):  # type: ignore[no-untyped-def]
-    """List the shapes that may stand between a tile's ends and the lamp; return how many."""
-    xl = yl = zl = np.inf
-    xh = yh = zh = -np.inf
-    num_rays = directions.shape[1]
-    for p in range(first, end):
-        for s in range(num_rays):
-            t = depth[(p - first) * num_rays + s]
-            if t < np.inf:
-                x, y, z = t * directions[p, s, 0], t * directions[p, s, 1], t * directions[p, s, 2]
-                xl, yl, zl = min(xl, x), min(yl, y), min(zl, z)
-                xh, yh, zh = max(xh, x), max(yh, y), max(zh, z)
-    if xl == np.inf:
-        return 0
-    x, y, z = (xl + xh) / 2.0, (yl + yh) / 2.0, (zl + zh) / 2.0
-    reach = math.hypot(math.hypot(xh - x, yh - y), zh - z) + 1e-6
-    count = 0
-    for i in range(len(places)):
-        a, b, c = turned(places, i, x, y, z)
-        a, b, c = a + places[i, 9], b + places[i, 10], c + places[i, 11]
-        if not is_glass[i] and is_between(
-            places, i, a, b, c, lamps[i, 0], lamps[i, 1], lamps[i, 2], reach
-        ):
-            listed[count] = i
-            count += 1
-    return count
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _cast_shadows(  # type: ignore[no-untyped-def]
-    directions, first, end, depth, hits, places, kinds, lamps, listed, count, shadows
-):
-    """Mark the rays of a tile whose ends the lamp does not reach; a shape does not shade itself."""
-    num_rays = directions.shape[1]
-    for p in range(first, end):
-        for s in range(num_rays):
-            k = (p - first) * num_rays + s
-            t = depth[k]
-            if t == np.inf:
-                continue
-            for j in range(count):
-                i = listed[j]
-                if i != hits[k]:
-                    a, b, c = turned(
-                        places, i, t * directions[p, s, 0], t * directions[p, s, 1],
-                        t * directions[p, s, 2],
-                    )  # fmt: skip
-                    a, b, c = a + places[i, 9], b + places[i, 10], c + places[i, 11]
-                    way = meet(kinds[i], places, i, a, b, c, lamps[i, 0], lamps[i, 1], lamps[i, 2])
-                    if way < np.inf:
-                        shadows[k] = True
-                        break
