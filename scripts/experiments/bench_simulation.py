@@ -39,6 +39,7 @@ class SensorSet:
         overrides: Of every robot.
         frame: Which observation is timed.
         guests: Robots that come in beside the world's own.
+        num_threads: Threads that draw images.
     """
 
     name: str
@@ -46,6 +47,7 @@ class SensorSet:
     overrides: Mapping[str, Any]
     frame: str
     guests: tuple[RobotPlacement, ...] = ()
+    num_threads: int = 1
 
 
 # One robot with laser and stereo, one with a mirror, one with laser and 16 sonars.
@@ -61,6 +63,7 @@ SETS = (
     SensorSet("two_stereo_pairs_320x240", "stereo_room", {"laser": None, **_NO_SONAR}, "stereo"),
     SensorSet("8_robots_with_laser", "fleet", _NO_SONAR, "scan"),
     SensorSet("everything", "stereo_room", {}, "stereo", _GUESTS),
+    SensorSet("everything_2_threads", "stereo_room", {}, "stereo", _GUESTS, 2),
 )
 
 
@@ -75,7 +78,7 @@ def run(seed: int, say: Callable[[str], None]) -> list[Case]:
 
 def _case(row: SensorSet, seed: int) -> Case:
     try:
-        simulation = Simulation(_world_of(row), seed=seed)
+        simulation = Simulation(_world_of(row), seed=seed, num_threads=row.num_threads)
     except WorldError as error:
         return Case(row.name, np.nan, np.nan, extra={"real_time_factor": None, "why": str(error)})
     try:
