@@ -33,6 +33,7 @@ __all__ = [
 ]  # fmt: skip
 
 _NS = 1_000_000_000
+_MAX_TURN = 1.1 * 2.0 * np.pi  # some sensors measure a little more than once round
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))  # x, y, yaw of (x, y, z, roll, pitch, yaw)
 
 
@@ -52,16 +53,13 @@ def scan_from_msg(msg: Any) -> Scan:
     """Return a LaserScan as it was measured; `angle_max` is not trusted, the beam count is.
 
     Raises:
-        ValueError: If it has no beams or its angles or range limits are no numbers.
+        ValueError: If it has no beams, its angles or range limits are no numbers (`range_max` may
+            be infinite), its limits are swapped, or its beams go round more than once.
     """
     ranges = from_field(msg.ranges, np.float32).astype(np.float64)
     if not len(ranges):
         raise ValueError("scan must have beams, got none")
-    for name in ("angle_min", "angle_increment", "range_min", "range_max"):
-        if np.isnan(getattr(msg, name)):
-            raise ValueError(f"scan {name} must be a number, got NaN")
-    if len(ranges) > 1 and not msg.angle_increment:
-        raise ValueError(f"scan angle_increment must not be 0 for {len(ranges)} beams")
+    _check_scan(msg, len(ranges))
     return Scan(
         ranges=ranges,
         angle_min=float(msg.angle_min),
@@ -70,6 +68,25 @@ def scan_from_msg(msg: Any) -> Scan:
         range_max=float(msg.range_max),
         time_increment=float(msg.time_increment),
     )
+
+
+def _check_scan(msg: Any, num_beams: int) -> None:
+    """Refuse a LaserScan whose angles or range limits mean nothing."""
+    for name in ("angle_min", "angle_increment", "range_min"):
+        if not np.isfinite(getattr(msg, name)):
+            raise ValueError(f"scan {name} must be finite, got {getattr(msg, name)}")
+    if np.isnan(msg.range_max):
+        raise ValueError("scan range_max must be a number, got NaN")
+    if msg.range_min > msg.range_max:
+        raise ValueError(f"scan range_min {msg.range_min} must be <= range_max {msg.range_max}")
+    if num_beams > 1 and not msg.angle_increment:
+        raise ValueError(f"scan angle_increment must not be 0 for {num_beams} beams")
+    turn = abs(float(msg.angle_increment)) * (num_beams - 1)
+    if turn > _MAX_TURN:
+        raise ValueError(
+            f"scan must turn by at most {_MAX_TURN:.2f} rad, got {num_beams} beams "
+            f"{msg.angle_increment} rad apart, {turn:.2f} rad"
+        )
 
 
 def scan_to_msg(scan: Scan, header: Any, *, scan_time: float = 0.0) -> Any:
