@@ -9,7 +9,7 @@ from floornav_common.grid import UNKNOWN
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import LogOddsConfig
-from grid_mapper.log_odds import LogOddsGrid, log_odds
+from grid_mapper.log_odds import LogOddsGrid, log_odds, trace_rays
 
 RESOLUTION = 0.1
 CONFIG = LogOddsConfig(p_hit=0.7, p_miss=0.4, p_max=0.97)
@@ -70,3 +70,20 @@ def test_a_beam_without_return_marks_nothing_occupied():
     grid = LogOddsGrid(CONFIG, RESOLUTION)
     grid.add_scan(one_beam(math.inf), SE2(0.05, 0.05, 0.0))
     assert (grid.occupancy().cells <= 40).all()
+
+
+def test_a_cell_whose_hits_and_misses_cancel_stays_seen():
+    grid = LogOddsGrid(LogOddsConfig(p_hit=0.6, p_miss=0.4), RESOLUTION)
+    for value in (0.55, 2.05):
+        grid.add_scan(one_beam(value), SE2(0.05, 0.05, 0.0))
+    assert row_of(grid)[6] == 50
+
+
+def test_cells_without_a_tile_are_skipped():
+    values = np.zeros((2, 64, 64), np.float32)
+    table, corner = np.array([[0]], np.int32), np.zeros(2, np.int64)
+    steps = np.float32(-0.4), np.float32(0.8), np.float32(3.0)
+    end, hit = np.array([100.0]), np.array([True])
+    trace_rays(np.array([0.5, 0.5]), np.zeros(1), end, hit, *steps, values, table, corner)
+    assert np.count_nonzero(values[0]) == 64
+    assert not values[1].any()

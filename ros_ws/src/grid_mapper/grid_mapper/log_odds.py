@@ -15,9 +15,11 @@ from grid_mapper.beams import Beams, beams_of
 from grid_mapper.config import LogOddsConfig
 from grid_mapper.tile_grid import NOWHERE, TILE_BITS, TILE_MASK, TileGrid, find_slot
 
+EVEN = np.float32(1e-6)
+
 
 class LogOddsGrid:
-    """Log-odds of every cell seen; exactly 0 means never seen."""
+    """Log-odds of every cell seen; exactly 0 means never seen, `EVEN` as likely as not."""
 
     def __init__(self, config: LogOddsConfig, resolution: float) -> None:
         self.config = config
@@ -84,17 +86,18 @@ def trace_rays(  # type: ignore[no-untyped-def]
         num_cols, num_rows = abs(end_col - col), abs(end_row - row)
         step_col, step_row = (1 if end_col > col else -1), (1 if end_row > row else -1)
         error = num_cols - num_rows
-        tile_row, tile_col = NOWHERE, NOWHERE
-        tile = values[0]
+        tile_row, tile_col, slot = NOWHERE, NOWHERE, -1
         for k in range(max(num_cols, num_rows) + 1):
             if row >> TILE_BITS != tile_row or col >> TILE_BITS != tile_col:
                 tile_row, tile_col = row >> TILE_BITS, col >> TILE_BITS
-                tile = values[find_slot(table, corner, row, col)]
-            r, c = row & TILE_MASK, col & TILE_MASK
-            if k == max(num_cols, num_rows) and is_hit[i]:
-                tile[r, c] = min(tile[r, c] + hit, limit)
-            else:
-                tile[r, c] = max(tile[r, c] + miss, -limit)
+                slot = find_slot(table, corner, row, col)
+            if slot >= 0:
+                r, c = row & TILE_MASK, col & TILE_MASK
+                if k == max(num_cols, num_rows) and is_hit[i]:
+                    value = min(values[slot, r, c] + hit, limit)
+                else:
+                    value = max(values[slot, r, c] + miss, -limit)
+                values[slot, r, c] = value if value != 0.0 else EVEN
             twice = 2 * error
             if twice > -num_rows:
                 error -= num_rows
