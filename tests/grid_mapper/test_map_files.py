@@ -1,6 +1,7 @@
 """Map files: read back equal, whole or not at all, and as map_server means them."""
 
 import math
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -75,6 +76,24 @@ def test_a_failed_write_leaves_nothing_behind(tmp_path, monkeypatch):
     with pytest.raises(OSError, match="No space"):
         save_map(tmp_path / "m", a_map())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_image_whose_header_cannot_be_moved_into_place_is_taken_away(tmp_path, monkeypatch):
+    move = Path.replace
+
+    def refuse_yaml(self, target):
+        if Path(target).suffix == ".yaml":
+            raise PermissionError(13, "Permission denied")
+        return move(self, target)
+
+    monkeypatch.setattr(Path, "replace", refuse_yaml)
+    with pytest.raises(PermissionError):
+        save_map(tmp_path / "m", a_map())
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "m.pgm").write_bytes(b"older")
+    with pytest.raises(PermissionError):
+        save_map(tmp_path / "m", a_map(), overwrite=True)
+    assert [path.name for path in tmp_path.iterdir()] == ["m.pgm"]
 
 
 @pytest.mark.parametrize(

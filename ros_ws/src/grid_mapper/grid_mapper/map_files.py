@@ -143,7 +143,11 @@ def _from_image(image: np.ndarray, header: dict[str, Any]) -> np.ndarray:
 
 
 def _write_both(image_path: Path, image: bytes, yaml_path: Path, text: bytes) -> None:
-    """Write both files beside their final names, then move them; the YAML comes last."""
+    """Write both files beside their final names, then move them; the YAML comes last.
+
+    An image that was not there before does not stay without its YAML.
+    """
+    had_image = image_path.exists()
     parts = [(image_path, image), (yaml_path, text)]
     temps = [path.with_name(f".{path.name}.{os.getpid()}.part") for path, _ in parts]
     try:
@@ -154,6 +158,10 @@ def _write_both(image_path: Path, image: bytes, yaml_path: Path, text: bytes) ->
                 os.fsync(file.fileno())
         for temp, (path, _) in zip(temps, parts, strict=True):
             temp.replace(path)
+    except BaseException:
+        if not had_image:
+            image_path.unlink(missing_ok=True)
+        raise
     finally:
         for temp in temps:
             temp.unlink(missing_ok=True)
