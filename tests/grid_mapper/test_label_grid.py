@@ -1,6 +1,7 @@
 """The published label grid against the definition of its sectors, cell by cell."""
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from grid_mapper.label_grid import (
     LABEL_UNKNOWN,
     LabelGrid,
     remove_noise,
+    sample_sectors,
+    sector_rays,
 )
 
 RESOLUTION = 0.05
@@ -37,7 +40,8 @@ def by_definition(scan: Scan, pose: SE2, config: LabelGridConfig) -> tuple[dict,
     """Label every cell centre by the text of section 4.1, one beam and one cell at a time."""
     labels: dict = {}
     points: dict = {}
-    half = 0.5 * (config.beam_angle_rad or scan.angle_increment)
+    given = config.beam_angle_rad
+    half = 0.5 * (given if given > 0.0 else scan.angle_increment)
     reach = 5.2
     first = np.floor((np.array([pose.y, pose.x]) - reach) / RESOLUTION).astype(int)
     num = int(2 * reach / RESOLUTION)
@@ -118,7 +122,7 @@ def test_candidates_on_the_border_stay_and_others_are_cleared():
     labels[:, 8:] = LABEL_UNKNOWN
     labels[4, 2] = LABEL_OCCUPIED
     points = np.where(labels == LABEL_OCCUPIED, 4, 0)
-    judged = remove_noise(labels, points, noise_points=4, border_cells=2)
+    judged = remove_noise(labels, points, noise_points=4, border_cells=2, hole_cells=0)
     assert (judged[:, 6:8] == LABEL_OCCUPIED).all()
     assert judged[4, 2] == LABEL_FREE
 
@@ -128,9 +132,9 @@ def test_more_points_than_the_threshold_are_no_candidate():
     labels[4, 4] = LABEL_OCCUPIED
     points = np.zeros((9, 9), int)
     points[4, 4] = 5
-    assert remove_noise(labels, points, 4, 2)[4, 4] == LABEL_OCCUPIED
+    assert remove_noise(labels, points, 4, 2, 25)[4, 4] == LABEL_OCCUPIED
     points[4, 4] = 4
-    assert remove_noise(labels, points, 4, 2)[4, 4] == LABEL_FREE
+    assert remove_noise(labels, points, 4, 2, 25)[4, 4] == LABEL_FREE
 
 
 def test_the_map_can_be_asked_for_again_and_judging_changes_nothing():
@@ -152,3 +156,102 @@ def test_a_room_is_free_inside_and_walled():
     walls = grid_map.to_cells(np.array([[4.0, 0.5], [-4.0, -0.5], [0.5, 3.0], [0.5, -3.0]]))
     assert (grid_map.cells[inside[:, 0], inside[:, 1]] == FREE).all()
     assert (grid_map.cells[walls[:, 0], walls[:, 1]] == OCCUPIED).all()
+
+
+@pytest.mark.parametrize("width", [0.35, 0.6, 1.5])
+@pytest.mark.parametrize("yaw", [0.0, 0.5 * math.pi, -1.0, 0.25 * math.pi])
+def test_wide_sectors_at_long_range_label_their_cells_and_no_others(width, yaw):
+    """The origin lies near a tile's corner, so that the edges run through tiles of their own."""
+    far = 28.0
+    grid = LabelGrid(LabelGridConfig(beam_angle_rad=width), 0.1)
+    pose = SE2(0.03, -0.04, yaw)
+    grid.add_scan(Scan(np.array([far]), 0.0, 0.01, 0.1, 80.0), pose)
+    labels, corner = grid._grid.dense("labels")
+    rows, cols = np.mgrid[-300:300, -300:300]
+    dx, dy = (cols + 0.5) * 0.1 - pose.x, (rows + 0.5) * 0.1 - pose.y
+    distance = np.hypot(dx, dy)
+    off = np.abs((np.arctan2(dy, dx) - yaw + np.pi) % (2.0 * np.pi) - np.pi)
+    inside = (off <= 0.5 * width) & (distance <= far + 0.05)
+    expected = np.where(inside, np.where(distance >= far - 0.05, 2, 1), 0)
+    found = np.zeros_like(expected)
+    r, c = np.nonzero(labels)
+    found[r + corner[0] + 300, c + corner[1] + 300] = labels[r, c]
+    # a centre on an edge may fall to either side by rounding
+    on_edge = np.abs(np.abs(distance - far) - 0.05) < 1e-9
+    on_edge |= np.abs(off - 0.5 * width) < 1e-9
+    assert (found == expected)[~on_edge].all()
+
+
+@pytest.mark.parametrize("yaw", [0.25 * math.pi, 0.75 * math.pi, -0.25 * math.pi, 100.0])
+def test_the_widest_sector_ends_whatever_its_direction(yaw):
+    config = LabelGridConfig(beam_angle_rad=math.nextafter(0.5 * math.pi, 0.0))
+    grid = LabelGrid(config, RESOLUTION)
+    started = time.perf_counter()
+    grid.add_scan(Scan(np.full(4, 2.0), 0.0, 0.5 * math.pi, 0.1, 5.0), SE2(0.01, 0.02, yaw))
+    assert time.perf_counter() - started < 10.0
+    num_cells = np.count_nonzero(grid._grid.dense("labels")[0])
+    assert num_cells == pytest.approx(math.pi * (2.05 / RESOLUTION) ** 2, rel=0.02)
+
+
+def test_a_coarse_scan_is_refused_by_its_numbers_and_taken_with_a_beam_angle():
+    scan = Scan(np.full(4, 2.0), 0.25 * math.pi, 0.5 * math.pi, 0.1, 5.0)
+    with pytest.raises(ValueError, match="0.7854.*beam_angle_rad 0.0, angle_increment 1.5708"):
+        LabelGrid(LabelGridConfig(), RESOLUTION).add_scan(scan, SE2.identity())
+    grid = LabelGrid(LabelGridConfig(beam_angle_rad=0.02), RESOLUTION)
+    grid.add_scan(scan, SE2.identity())
+    assert (grid.occupancy().cells == OCCUPIED).any()
+
+
+def test_a_beam_angle_of_a_right_angle_is_refused():
+    with pytest.raises(ValueError, match="beam_angle_rad"):
+        LabelGridConfig(beam_angle_rad=0.5 * math.pi)
+
+
+def test_cells_without_a_tile_are_skipped():
+    labels, points = np.zeros((2, 64, 64), np.int8), np.zeros((2, 64, 64), np.uint16)
+    table, corner = np.array([[0]], np.int32), np.zeros(2, np.int64)
+    origin, ranges = np.array([0.5, 0.5]), np.array([100.0])
+    hit = np.array([True])
+    sample_sectors(origin, np.zeros(1), ranges, hit, 0.1, 1.0, labels, points, table, corner)
+    assert labels[0].any()
+    assert not labels[1].any() and not points[1].any()
+
+
+def test_rays_of_a_sector_leave_no_point_of_it_aside():
+    angles, lengths = sector_rays(np.array([0.3, 1.0]), np.array([10.0, 500.0]), 0.15)
+    assert angles[0] == pytest.approx(0.3) and lengths[0] == 10.0
+    second, reach = angles[1:], 2.0 / 500.0
+    assert np.diff(second).max() <= 2.0 * reach
+    assert second[0] - 0.85 <= reach and 1.15 - second[-1] <= reach
+
+
+def labels_with_hole(size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return free labels with a square hole, a candidate beside it, and the candidate's points."""
+    labels = np.full((40, 40), LABEL_FREE, np.int8)
+    labels[20 : 20 + size, 20 : 20 + size] = LABEL_UNKNOWN
+    labels[20, 19] = LABEL_OCCUPIED
+    return labels, np.where(labels == LABEL_OCCUPIED, 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("size", "hole_cells", "label"),
+    [(4, 25, LABEL_FREE), (5, 25, LABEL_OCCUPIED), (1, 0, LABEL_OCCUPIED), (1, 2, LABEL_FREE)],
+)
+def test_only_unknown_regions_make_a_border(size, hole_cells, label):
+    labels, points = labels_with_hole(size)
+    assert remove_noise(labels, points, 4, 2, hole_cells)[20, 19] == label
+
+
+def test_gaps_that_touch_at_corners_are_no_region():
+    labels, points = labels_with_hole(0)
+    for k in range(15):
+        labels[20 + 2 * k % 20, 20] = LABEL_UNKNOWN
+        labels[21 + k, 21 + k] = LABEL_UNKNOWN
+    assert remove_noise(labels, points, 4, 2, 25)[20, 19] == LABEL_FREE
+
+
+def test_what_lies_outside_is_a_border_however_small_the_map():
+    labels = np.full((3, 3), LABEL_FREE, np.int8)
+    labels[0, 1] = LABEL_OCCUPIED
+    points = np.where(labels == LABEL_OCCUPIED, 1, 0)
+    assert remove_noise(labels, points, 4, 1, 1000)[0, 1] == LABEL_OCCUPIED

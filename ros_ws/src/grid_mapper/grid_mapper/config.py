@@ -40,11 +40,19 @@ class LabelGridConfig:
 
     range_tolerance_m: float = param(0.05, "dr_L, half a wall's sampled depth.", unit="m", ge=0.0)
     beam_angle_rad: float = param(
-        0.0, "alpha_L, opening of a beam's sector; 0 takes the scan's angle increment.",
+        0.0,
+        "alpha_L, opening of a beam's sector; 0 takes the scan's angle increment, which must then "
+        "be below pi / 2.",
         unit="rad", ge=0.0, lt=pi / 2.0,
     )  # fmt: skip
     noise_points: int = param(
         4, "P_L: occupied cells with at most this many points are noise candidates.", ge=0
+    )
+    hole_cells: int = param(
+        25,
+        "Noise beside an unknown region of fewer cells than this is not on the border of the "
+        "known; 0 counts every unknown cell.",
+        ge=0,
     )
     no_return_free_m: float = param(
         5.0, "Length shown free by a beam without return (+inf); 0 ignores such beams.",

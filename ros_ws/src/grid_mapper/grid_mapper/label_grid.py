@@ -21,6 +21,9 @@ from grid_mapper.tile_grid import NOWHERE, TILE_BITS, TILE_MASK, TileGrid, find_
 
 LABEL_UNKNOWN, LABEL_FREE, LABEL_OCCUPIED = 0, 1, 2
 MAX_POINTS = np.iinfo(np.uint16).max
+MAX_HALF_ANGLE = 0.25 * np.pi  # a wider sector has edges on both sides of a diagonal
+RAY_CELLS = 2.0  # what `missing_on_rays` leaves beside a ray, for sectors
+MIN_COS = 1e-12
 
 
 class LabelGrid:
@@ -35,12 +38,16 @@ class LabelGrid:
         self.add_beams(beams_of(scan, T_map_laser, self.config.no_return_free_m))
 
     def add_beams(self, beams: Beams) -> None:
-        """Sample beams given in the map frame (4.1)."""
+        """Sample beams given in the map frame (4.1).
+
+        Raises:
+            ValueError: If the sectors would open by pi / 2 or more.
+        """
         grid = self._grid
-        half_angle = 0.5 * (self.config.beam_angle_rad or beams.angle_increment)
+        half_angle = self._half_angle(beams)
         origin, ranges = beams.origin / grid.resolution, beams.ranges / grid.resolution
         tolerance = self.config.range_tolerance_m / grid.resolution
-        grid.ensure_rays(origin, beams.angles, ranges + tolerance)
+        grid.ensure_rays(origin, *sector_rays(beams.angles, ranges + tolerance, half_angle))
         sample_sectors(
             origin, beams.angles, ranges, beams.is_hit, half_angle, tolerance,
             grid.fields["labels"], grid.fields["points"], grid.table, grid.corner,
@@ -50,11 +57,25 @@ class LabelGrid:
         """Return the map with noise candidates judged (4.2)."""
         labels, corner = self._grid.dense("labels")
         points, _ = self._grid.dense("points")
-        judged = remove_noise(labels, points, self.config.noise_points, self._border_cells())
+        judged = remove_noise(
+            labels, points, self.config.noise_points, self._border_cells(), self.config.hole_cells
+        )
         resolution = self._grid.resolution
         cells = np.array([UNKNOWN, FREE, OCCUPIED], np.int8)[judged]
         origin = SE2(float(corner[1] * resolution), float(corner[0] * resolution), 0.0)
         return OccupancyMap(cells, resolution, origin)
+
+    def _half_angle(self, beams: Beams) -> float:
+        """Return alpha_L / 2."""
+        given, increment = self.config.beam_angle_rad, beams.angle_increment
+        half_angle = 0.5 * (given if given > 0.0 else increment)
+        if not 0.0 <= half_angle < MAX_HALF_ANGLE:
+            raise ValueError(
+                f"half the opening of a beam must be in [0, {MAX_HALF_ANGLE:.4f}) rad, got "
+                f"{half_angle:.4f} (beam_angle_rad {given}, angle_increment {increment:.4f}): "
+                "set beam_angle_rad to what a beam of this sensor opens by"
+            )
+        return half_angle
 
     def _border_cells(self) -> int:
         """Return how thick a wall is sampled, in cells: 2 dr."""
@@ -66,8 +87,18 @@ class LabelGrid:
         return self._grid.num_bytes
 
 
+def sector_rays(
+    angles: np.ndarray, lengths: np.ndarray, half_angle: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return rays (angles, lengths) so dense that no point of a sector is `RAY_CELLS` from one."""
+    num = np.maximum(1, np.ceil(lengths * (half_angle / RAY_CELLS))).astype(np.int64)
+    first = np.repeat(np.cumsum(num) - num, num)
+    share = (2.0 * (np.arange(num.sum()) - first) + 1.0) / np.repeat(num, num) - 1.0
+    return np.repeat(angles, num) + half_angle * share, np.repeat(lengths, num)
+
+
 def remove_noise(
-    labels: np.ndarray, points: np.ndarray, noise_points: int, border_cells: int
+    labels: np.ndarray, points: np.ndarray, noise_points: int, border_cells: int, hole_cells: int
 ) -> np.ndarray:
     """Judge cells of few points (4.2): obstacle on the border of the known, else free.
 
@@ -77,6 +108,7 @@ def remove_noise(
         noise_points: P_L; occupied cells with at most this many points are noise candidates.
         border_cells: How far, in cells, the border between unknown and free reaches: as thick
             as a wall is sampled, so that its near and its far cells both count.
+        hole_cells: Unknown regions of fewer cells make no border; 0 if every unknown cell does.
 
     Returns:
         Labels of the judged map, shape (H, W), int8. The input is not modified.
@@ -87,12 +119,25 @@ def remove_noise(
     kernel = np.ones((2 * border_cells + 1, 2 * border_cells + 1), np.uint8)
     k = border_cells  # what lies outside the array is unknown too
     unknown = np.pad((labels == LABEL_UNKNOWN).astype(np.uint8), k, constant_values=1)
-    near_unknown = cv2.dilate(unknown, kernel)[k:-k, k:-k]
+    near_unknown = cv2.dilate(_without_holes(unknown, hole_cells), kernel)[k:-k, k:-k]
     near_free = cv2.dilate((labels == LABEL_FREE).astype(np.uint8), kernel)
     on_border = (near_unknown > 0) & (near_free > 0)
     judged = labels.copy()
     judged[candidate & ~on_border] = LABEL_FREE
     return judged
+
+
+def _without_holes(unknown: np.ndarray, hole_cells: int) -> np.ndarray:
+    """Return a mask (0, 1) without its small regions; that of cell (0, 0), the outside, stays.
+
+    Cells of one region share edges: the gaps that beams leave between them touch at corners only.
+    """
+    if hole_cells <= 1:
+        return unknown
+    _, regions, stats, _ = cv2.connectedComponentsWithStats(unknown, connectivity=4)
+    is_kept = (stats[:, cv2.CC_STAT_AREA] >= hole_cells).astype(np.uint8)
+    is_kept[0], is_kept[regions[0, 0]] = 0, 1  # 0 is what is known
+    return is_kept[regions]
 
 
 @numba.njit(cache=True)
@@ -134,17 +179,20 @@ def _sample_sector(  # type: ignore[no-untyped-def]
 ):
     """Walk the sector along u; on each line the centres between its two edges are inside."""
     cos_a, cos_b = np.cos(angle - half_angle), np.cos(angle + half_angle)
-    slope_a, slope_b = np.sin(angle - half_angle) / cos_a, np.sin(angle + half_angle) / cos_b
     side = 1 if cos_a + cos_b > 0.0 else -1
+    # both have the sign of `side`; an edge along v would be 0 up to rounding
+    cos_a, cos_b = side * max(side * cos_a, MIN_COS), side * max(side * cos_b, MIN_COS)
+    slope_a, slope_b = np.sin(angle - half_angle) / cos_a, np.sin(angle + half_angle) / cos_b
     low, high = min(slope_a * side, slope_b * side), max(slope_a * side, slope_b * side)
     u_reach = far if low < 0.0 < high else far * max(abs(cos_a), abs(cos_b))
     first = int(np.ceil(ou)) if side > 0 else int(np.floor(ou))
     start = abs(first - ou)
-    tile_row, tile_col = NOWHERE, NOWHERE
+    tile_row, tile_col, slot = NOWHERE, NOWHERE, -1
     tile_labels, tile_points = labels[0], points[0]
     for k in range(int(np.floor(u_reach - start)) + 1):
         u, du = first + side * k, start + k
-        for v in range(int(np.ceil(ov + du * low)), int(np.floor(ov + du * high)) + 1):
+        v_low, v_high = ov + max(du * low, -far), ov + min(du * high, far)
+        for v in range(int(np.ceil(v_low)), int(np.floor(v_high)) + 1):
             distance2 = du * du + (v - ov) * (v - ov)
             if distance2 > far * far:
                 continue
@@ -152,7 +200,10 @@ def _sample_sector(  # type: ignore[no-untyped-def]
             if row >> TILE_BITS != tile_row or col >> TILE_BITS != tile_col:
                 tile_row, tile_col = row >> TILE_BITS, col >> TILE_BITS
                 slot = find_slot(table, corner, row, col)
-                tile_labels, tile_points = labels[slot], points[slot]
+                if slot >= 0:
+                    tile_labels, tile_points = labels[slot], points[slot]
+            if slot < 0:
+                continue
             r, c = row & TILE_MASK, col & TILE_MASK
             if distance2 < near2:
                 if tile_labels[r, c] == LABEL_UNKNOWN:
