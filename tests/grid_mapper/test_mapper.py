@@ -144,3 +144,55 @@ def test_a_bare_corridor_is_left_to_odometry():
         result = mapper.insert_scan(k * HALF_SECOND_NS, scan, SE2.identity(), pose)
     assert result.T_map_base.x == pytest.approx(truth[-1].x, rel=0.01)
     assert result.cov[0, 0] > 4.0 * result.cov[1, 1]
+
+
+def test_a_bag_played_twice_gives_the_map_of_one_time():
+    """At the jump back the robot is where it began, far from where it was."""
+    truth = drive_around()
+    odom = slipping(truth, 0.1)
+    mapper, _ = run(truth, odom)
+    before = mapper.occupancy()
+    mapper.break_motion()
+    _, results = run(truth, odom, mapper, seed=1)
+    assert all(r.is_trusted for r in results)
+    assert worst(truth, results)[0] < 0.03
+    after = mapper.occupancy()
+    assert (after.cells == 100).sum() < 1.1 * (before.cells == 100).sum()
+
+
+def test_a_robot_carried_away_over_a_jump_stays_lost_and_maps_nothing_until_told():
+    truth = drive_around()
+    mapper, _ = run(truth[:30], truth[:30])
+    num_keys, elsewhere = mapper.num_key_scans, SE2(2.8, 2.0, -2.5)
+    mapper.break_motion()
+    scan = scan_at(elsewhere @ T_BASE_LASER, square_room())
+    for k in range(20):
+        result = mapper.insert_scan((100 + k) * HALF_SECOND_NS, scan, T_BASE_LASER, truth[0])
+        assert not result.is_trusted or elsewhere.between(result.T_map_base).distance < 0.03
+    mapper.relocate(SE2(2.7, 2.1, -2.4))
+    result = mapper.insert_scan(200 * HALF_SECOND_NS, scan, T_BASE_LASER, truth[0])
+    assert result.is_trusted and elsewhere.between(result.T_map_base).distance < 0.03
+    assert num_keys <= mapper.num_key_scans <= num_keys + 6
+
+
+def test_odometry_that_was_set_anew_is_no_motion():
+    truth = drive_around()
+    mapper, _ = run(truth, truth)
+    scan = scan_at(truth[-1] @ T_BASE_LASER, square_room())
+    for k in range(50):
+        odom = SE2(40.0, -3.0, 1.9)
+        result = mapper.insert_scan((60 + k) * HALF_SECOND_NS, scan, T_BASE_LASER, odom)
+    assert result.is_trusted
+    assert truth[-1].between(result.T_map_base).distance < 0.03
+
+
+def test_a_bare_corridor_without_odometry_is_refused_and_says_so():
+    walls = np.array([[-60.0, -1.2, 60.0, -1.2], [-60.0, 1.2, 60.0, 1.2]])
+    mapper, rng, refused = GridMapper(GridMapperConfig()), np.random.default_rng(0), []
+    for k in range(60):
+        pose = SE2(0.1 * k, 0.0, 0.0)
+        scan = scan_at(pose, walls, rng=rng, range_max=12.0)
+        result = mapper.insert_scan(k * HALF_SECOND_NS, scan, SE2.identity(), None)
+        refused.append(result.reason)
+    assert sum("does not say where along" in reason for reason in refused) > 50
+    assert result.cov[0, 0] > 1.0

@@ -83,10 +83,10 @@ class LogOddsConfig:
 class MotionConfig:
     """How far a prediction of the next pose can be wrong; deviations, not bounds."""
 
-    slip: float = param(0.05, "Error of odometry per metre driven.", unit="m/m", ge=0.0)
+    slip: float = param(0.1, "Error of odometry per metre driven.", unit="m/m", ge=0.0)
     turn_slip: float = param(0.1, "Error of odometry's turn per radian turned.", ge=0.0)
     turn_per_m: float = param(
-        0.05, "Error of odometry's turn per metre driven.", unit="rad/m", ge=0.0
+        0.1, "Error of odometry's turn per metre driven.", unit="rad/m", ge=0.0
     )
     base_m: float = param(0.005, "Error of a prediction over no distance.", unit="m", gt=0.0)
     base_rad: float = param(0.01, "Error of a prediction over no turn.", unit="rad", gt=0.0)
@@ -95,6 +95,12 @@ class MotionConfig:
     )
     turn_acceleration: float = param(
         2.0, "Change of turn rate expected where there is no odometry.", unit="rad/s^2", gt=0.0
+    )
+    max_speed: float = param(
+        3.0, "Odometry that moves faster was set anew: its step is no motion.", unit="m/s", gt=0.0
+    )
+    max_turn_rate: float = param(
+        4.0, "Odometry that turns faster was set anew.", unit="rad/s", gt=0.0
     )
     stamp_jitter_s: float = param(
         0.05, "Error of a scan's stamp where there is no odometry.", unit="s", ge=0.0
@@ -162,6 +168,24 @@ class GridMapperConfig:
         unit="deviations",
         gt=0.0,
     )
+    vague_sigma_m: float = param(
+        0.5, "From this doubt of the prediction on, only a match of lost_* is believed.",
+        unit="m", gt=0.0,
+    )  # fmt: skip
+    vague_sigma_rad: float = param(
+        0.3, "From this doubt of the predicted yaw on, likewise.", unit="rad", gt=0.0
+    )
+    lost_overlap: float = param(
+        0.8, "Overlap that a match needs when the robot does not know where it is.", ge=0.0, le=1.0
+    )
+    lost_agreement: float = param(
+        0.7, "Agreement that a match needs when the robot does not know where it is.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
+    undetermined_sigma_m: float = param(
+        0.2, "A scan that leaves a direction less certain than this says nothing of it.",
+        unit="m", gt=0.0,
+    )  # fmt: skip
     match_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     map_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)

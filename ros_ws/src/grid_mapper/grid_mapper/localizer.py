@@ -21,6 +21,7 @@ from grid_mapper.surface_points import SurfacePoints, surface_points
 # How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
 VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
 MIN_VARIANCE = 1e-8
+RESET_SLACK_S = 0.5  # logs stamp scans that badly
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class ScanResult:
         is_trusted: False where the match was refused and the pose is the prediction.
         reason: Why it was refused; "" if trusted.
         overlap: Share of the scan's points that found the map, 0..1; 1 for the first scan.
+        note: What a trusted match does not say, such as the way along a corridor; "" if nothing.
     """
 
     T_map_base: SE2
@@ -40,6 +42,7 @@ class ScanResult:
     is_trusted: bool
     reason: str
     overlap: float
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,9 @@ class ScanLocalizer:
         self.config = config
         self._T_map_start = T_map_start or SE2.identity()
         self._matcher = ScanMatcher(config.matcher)
+        self._start_cov: np.ndarray | None = None
+        self._first_pose: SE2 | None = None
+        self._guesses: list[SE2] = []  # where the robot may be after a jump; empty if it knows
         self._last: _Step | None = None
         self._keys = KeyScans()
 
@@ -86,21 +92,21 @@ class ScanLocalizer:
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
         points = self._points(scan, T_base_laser)
-        T_pred, cov_moved, dt = self._predict(stamp_ns, T_odom_base)
-        cov, cov_near = (
-            (cov_moved, cov_moved)
-            if self._last is None
-            else (self._last.cov + cov_moved, self._last.cov_near + cov_moved)
-        )
+        if self._is_reset(stamp_ns, T_odom_base):
+            self.break_motion()
+        moved, cov_moved, dt = self._motion(stamp_ns, T_odom_base)
         if self._matcher.is_empty:
-            result = self._first(len(points), T_pred, cov)
+            result, near = self._first(len(points)), np.zeros((3, 3))
+        elif self._guesses:
+            result, near = self._search(points, moved), np.diag(VAGUE_SIGMAS**2)
         else:
-            match = self._matcher.match(points, T_pred, cov_near)
-            result = self._judge(match, len(points), T_pred, cov, cov_near)
+            result, near = self._track(points, moved, cov_moved)
         pose = result.T_map_base
-        if result.is_trusted and self._keys.take(stamp_ns, pose, self.config.match_key):
-            self._matcher.insert(points, pose)
-        self._remember(stamp_ns, T_odom_base, result, cov_near, dt)
+        if result.is_trusted:
+            near = np.zeros((3, 3))
+            if self._keys.take(stamp_ns, pose, self.config.match_key):
+                self._matcher.insert(points, pose)
+        self._remember(stamp_ns, T_odom_base, result, near, dt)
         return result
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
@@ -113,15 +119,23 @@ class ScanLocalizer:
         """
         if cov is None or np.linalg.eigvalsh(cov).min() < MIN_VARIANCE:
             cov = np.diag(VAGUE_SIGMAS**2)
+        self._guesses = []
         if self._last is None:
-            self._T_map_start = T_map_base
+            self._T_map_start, self._start_cov = T_map_base, cov
         else:
             self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, cov, np.zeros(3))
 
     def break_motion(self) -> None:
-        """Forget the motion so far: time or odometry jumped. The map and the pose stay."""
-        if self._last is not None:
-            self.relocate(self._last.T_map_base)
+        """Go on after time or odometry jumped: the map stays, the robot may be anywhere.
+
+        It counts as found again where a scan fits the map well near the newest pose or near the
+        first one (a recording that starts again), or where `relocate` says.
+        """
+        if self._last is None or self._first_pose is None:
+            return
+        T_last, first = self._last.T_map_base, self._first_pose
+        self.relocate(T_last)
+        self._guesses = [T_last, first]
 
     @property
     def num_bytes(self) -> int:
@@ -137,60 +151,107 @@ class ScanLocalizer:
         )  # fmt: skip
         return points.moved(T_base_laser)
 
-    def _predict(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, np.ndarray, float]:
-        """Return the predicted pose, the covariance of the motion in map axes, the time passed."""
+    def _is_reset(self, stamp_ns: int, T_odom_base: SE2 | None) -> bool:
+        """Tell whether odometry jumped by more than a robot can move."""
+        last = self._last
+        if T_odom_base is None or last is None or last.T_odom_base is None:
+            return False
+        moved, motion = last.T_odom_base.between(T_odom_base), self.config.motion
+        dt = abs(stamp_ns - last.stamp_ns) * 1e-9 + RESET_SLACK_S
+        return moved.distance > motion.max_speed * dt or abs(moved.yaw) > motion.max_turn_rate * dt
+
+    def _motion(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, np.ndarray, float]:
+        """Return the motion since the last scan, its covariance in map axes, the time passed."""
         last = self._last
         if last is None:
-            return self._T_map_start, np.zeros((3, 3)), 0.0
+            return SE2.identity(), np.zeros((3, 3)), 0.0
         dt = max(0.0, (stamp_ns - last.stamp_ns) * 1e-9)
         if T_odom_base is not None and last.T_odom_base is not None:
             moved = last.T_odom_base.between(T_odom_base)
             cov = odometry_motion(moved, self.config.motion)
         else:
             moved, cov = steady_motion(last.velocity, dt, self.config.motion)
-        return last.T_map_base @ moved, rotated(cov, last.T_map_base.yaw), dt
+        return moved, rotated(cov, last.T_map_base.yaw), dt
 
-    def _first(self, num_points: int, T_pred: SE2, cov: np.ndarray) -> ScanResult:
+    def _first(self, num_points: int) -> ScanResult:
+        """Start the map, if the scan shows anything."""
+        motion, pose = self.config.motion, self._T_map_start
+        cov = np.diag([motion.base_m, motion.base_m, motion.base_rad]) ** 2
+        cov = cov if self._start_cov is None else self._start_cov
         if num_points < self.config.min_pairs:
             reason = f"only {num_points} points in the first scan"
-            return ScanResult(T_pred, cov, False, reason, 0.0)
-        return ScanResult(T_pred, cov, True, "", 1.0)
+            return ScanResult(pose, cov, False, reason, 0.0)
+        self._first_pose = pose
+        return ScanResult(pose, cov, True, "", 1.0)
 
-    def _judge(
-        self,
-        match: MatchResult,
-        num_points: int,
-        T_pred: SE2,
-        cov_pred: np.ndarray,
-        cov_near: np.ndarray,
-    ) -> ScanResult:
-        """Believe a match, or say why not and keep the prediction."""
-        off = offset(T_pred, match.T_map_base)
-        sigmas = float(np.sqrt(off @ np.linalg.solve(cov_near, off)))
-        config, reason = self.config, ""
-        if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
-            reason = f"{match.num_pairs} of {num_points} points found the map"
-        elif match.agreement < config.min_agreement:
-            reason = f"the points that found the map agree with it by {match.agreement:.2f}"
-        elif match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
-            reason = f"a match of few points is {sigmas:.1f} deviations from the prediction"
+    def _track(
+        self, points: SurfacePoints, moved: SE2, cov_moved: np.ndarray
+    ) -> tuple[ScanResult, np.ndarray]:
+        """Match near the prediction; return the verdict and the doubt since the last match."""
+        last = self._last
+        assert last is not None
+        T_pred, near = last.T_map_base @ moved, last.cov_near + cov_moved
+        match = self._matcher.match(points, T_pred, near)
+        cov = last.cov + cov_moved
+        reason = self._objection(match, len(points), T_pred, near)
         if reason:
-            return ScanResult(T_pred, cov_pred, False, reason, match.overlap)
-        cov = np.linalg.inv(np.linalg.inv(cov_pred) + match.information)
-        return ScanResult(match.T_map_base, cov, True, "", match.overlap)
+            return ScanResult(T_pred, cov, False, reason, match.overlap), near
+        cov = np.linalg.inv(np.linalg.inv(cov) + match.information)
+        note = self._undetermined(match)
+        return ScanResult(match.T_map_base, cov, True, "", match.overlap, note), near
+
+    def _search(self, points: SurfacePoints, moved: SE2) -> ScanResult:
+        """Look for the robot where it may be; believe only a scan that fits the map well."""
+        cov = np.diag(VAGUE_SIGMAS**2)
+        self._guesses = [guess @ moved for guess in self._guesses]
+        fits = [self._matcher.match(points, guess, cov) for guess in self._guesses]
+        best = max(fits, key=lambda fit: fit.overlap * fit.agreement)
+        if self._is_found(best):
+            self._guesses = []
+            cov = np.linalg.inv(np.linalg.inv(cov) + best.information)
+            return ScanResult(best.T_map_base, cov, True, "", best.overlap)
+        reason = f"time or odometry jumped, and {100 * best.overlap:.0f} % of the scan fits the map"
+        return ScanResult(self._guesses[0], cov, False, reason, best.overlap)
+
+    def _is_found(self, match: MatchResult) -> bool:
+        config = self.config
+        return (
+            match.num_pairs >= config.min_pairs
+            and match.overlap >= config.lost_overlap
+            and match.agreement >= config.lost_agreement
+        )
+
+    def _objection(self, match: MatchResult, num_points: int, T_pred: SE2, near: np.ndarray) -> str:
+        """Return why a match is not to be believed; "" if it is."""
+        config, off = self.config, offset(T_pred, match.T_map_base)
+        sigmas = float(np.sqrt(off @ np.linalg.solve(near, off)))
+        sigma_m = np.sqrt(np.linalg.eigvalsh(near[:2, :2])[1])
+        is_vague = sigma_m > config.vague_sigma_m or near[2, 2] > config.vague_sigma_rad**2
+        if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
+            return f"{match.num_pairs} of {num_points} points found the map"
+        if match.agreement < config.min_agreement:
+            return f"the points that found the map agree with it by {match.agreement:.2f}"
+        if match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
+            return f"a match of few points is {sigmas:.1f} deviations from the prediction"
+        if is_vague and not self._is_found(match):
+            return f"lost, and {100 * match.overlap:.0f} % of the scan fits the map"
+        has_odometry = self._last is not None and self._last.T_odom_base is not None
+        return "" if has_odometry else self._undetermined(match)
+
+    def _undetermined(self, match: MatchResult) -> str:
+        """Return the direction a match says nothing of, in words; "" if it says where."""
+        sigma, bearing = match.weak_direction
+        if sigma <= self.config.undetermined_sigma_m:
+            return ""
+        return f"the scan does not say where along {np.rad2deg(bearing):.0f} deg the robot is"
 
     def _remember(
-        self,
-        stamp_ns: int,
-        T_odom_base: SE2 | None,
-        result: ScanResult,
-        cov_near: np.ndarray,
+        self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, near: np.ndarray,
         dt: float,
-    ) -> None:
+    ) -> None:  # fmt: skip
         last = self._last
         velocity = np.zeros(3)
         if last is not None:
             moved = last.T_map_base.between(result.T_map_base)
             velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
-        near = np.zeros((3, 3)) if result.is_trusted else cov_near
         self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, near, velocity)

@@ -3,11 +3,16 @@
 One iteration of ICP pairs every scan point with the nearest mean of the surface map and takes a
 Gauss-Newton step on
 
-    E(T) = sum_i rho( d_i^T M_i^-1 d_i ) + (T - T_pred)^T P^-1 (T - T_pred),
-    d_i = mean_i - T p_i,   M_i = C_cell + R C_i R^T,   rho = Cauchy,
+    E(T) = sum_i w_i d_i^T W_i d_i + (T - T_pred)^T P^-1 (T - T_pred),
+    d_i = mean_i - T p_i,   M_i = C_cell + R C_i R^T,   w_i = 1 / (1 + d_i^T M_i^-1 d_i / width),
 
-whose second term is the dead reckoning with its covariance P: along a bare corridor, where the
-scan says nothing, the odometry does.
+iteratively reweighted (Cauchy). M_i is thin across a wall and wide along it; w_i asks by it whether
+point and cell belong together. W_i is M_i^-1 with what it says along the wall scaled down once
+more by thin/wide, since where along a wall two beams of two scans ended means nothing. The last
+term is the dead reckoning with its covariance P: along a bare corridor, where the scan says
+nothing, the odometry does. The information reported is that of the sum, less what noisy normals
+lend to its weak direction, times a share: points in one cell share that cell's error. Choosing
+between basins (`_cost`) counts them by the same share.
 """
 
 from __future__ import annotations
@@ -24,10 +29,10 @@ from grid_mapper.surface_points import SurfacePoints
 
 COARSE_POINTS = 200  # points used at most while the pose is still far off
 FINE_POINTS = 600  # and for the last steps: more change the pose by less than its deviation
-# Points in one cell share that cell's error, so they are worth fewer independent measurements.
-INDEPENDENT_SHARE = 0.3
+INDEPENDENT_SHARE = 0.3  # points in one cell share that cell's error
 # Noisy normals lend this share of the best seen direction's information to the others.
 LEAK_SHARE = 0.01
+MIN_INFORMATION = 1e-6  # 1/m^2; less is none
 COARSE_WIDTH, FINE_WIDTH = 25.0, 4.0  # of rho, in squared deviations
 BASIN_M, BASIN_RAD = 0.2, 0.1  # a start this near to the truth still converges
 MAX_STARTS = np.array([1, 1, 3])  # to each side of x, y and yaw
@@ -52,6 +57,13 @@ class MatchResult:
     agreement: float
     num_pairs: int
     rms: float
+
+    @property
+    def weak_direction(self) -> tuple[float, float]:
+        """Deviation (m) and bearing (rad, map axes) of the direction the scan says least of."""
+        values, axes = np.linalg.eigh(self.information[:2, :2])
+        sigma = float("inf") if values[0] <= MIN_INFORMATION else float(values[0] ** -0.5)
+        return sigma, float(np.arctan2(axes[1, 0], axes[0, 0]))
 
 
 class ScanMatcher:
@@ -118,7 +130,11 @@ class ScanMatcher:
 
 
 def _cost(fit: MatchResult, num_points: int, T_pred: SE2, prior: np.ndarray) -> float:
-    """Return E at a fit: the mean of log rho' stands for all points, unpaired ones included."""
+    """Return what a basin costs, to choose between basins.
+
+    The mean log weight stands for all points, unpaired ones included, each worth only its share:
+    or many points that err together would outvote odometry.
+    """
     off = offset(T_pred, fit.T_map_base)
     mean = -np.log(max(fit.overlap * fit.agreement, 1e-9))
     return float(INDEPENDENT_SHARE * num_points * COARSE_WIDTH * mean + off @ prior @ off)
@@ -146,7 +162,7 @@ def offset(T_a: SE2, T_b: SE2) -> np.ndarray:
 
 
 def starting_poses(T_pred: SE2, cov_pred: np.ndarray) -> list[SE2]:
-    """Return poses that cover two deviations of the prediction, no further apart than a basin.
+    """Return poses round the prediction, as far out as two deviations, at most MAX_STARTS basins.
 
     A good prediction gives itself alone; the first pose is always the prediction.
     """
