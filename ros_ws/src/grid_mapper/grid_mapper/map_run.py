@@ -45,6 +45,10 @@ class ScanMapper(Protocol):
         """Localize and map one scan."""
         ...
 
+    def break_motion(self) -> None:
+        """Go on after the recording's time jumped back."""
+        ...
+
 
 @dataclass
 class MapRun:
@@ -103,6 +107,8 @@ def run_mapper(
 
 
 def _insert(run: MapRun, mapper: ScanMapper, event: ScanEvent) -> None:
+    if event.follows_jump:
+        mapper.break_motion()
     started = time.perf_counter()
     result = mapper.insert_scan(event.stamp_ns, event.scan, event.T_base_laser, event.T_odom_base)
     run.scan_ms.append(1e3 * (time.perf_counter() - started))
