@@ -78,6 +78,18 @@ def test_a_scan_without_transform_is_dropped_and_named(echo: NodeProcess, peer: 
     assert {v.key: v.value for v in bad.values}["dropped"] == "1"
 
 
+def test_a_scan_of_stamp_0_is_dropped_and_named(echo: NodeProcess, peer: Peer) -> None:
+    robot = Robot(peer, echo)
+    robot.tf.publish(tf_of("odom", "base_link", 100 * S, 0.0))
+    robot.scans.publish(scan_of(0))
+    assert "1 of 1 messages dropped, a message has stamp 0" in echo.wait_for("dropped")
+    robot.scans.publish(scan_of(100 * S))
+    echo.wait_for("at x 0.500")
+    assert [line for line in echo.lines if line.startswith("scan ")] == [
+        f"scan {100 * S} at x 0.500"
+    ]
+
+
 def test_remapped_tf_topics_are_heard(start: Start, peer: Peer) -> None:
     node = start(
         NODES, "scan_echo", "--ros-args", "-r", "__ns:=/r2", "-r", "/tf:=tf",

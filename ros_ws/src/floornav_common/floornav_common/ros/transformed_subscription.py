@@ -22,6 +22,7 @@ CAPACITY = 100  # 2.5 s at 40 Hz
 _WARN_PERIOD_NS = 5_000_000_000
 _BEHIND_IN_A_ROW = 20  # one is late; a second or two of nothing else is a stamp that jumped back
 _BEHIND = "a message came late, older than one already handed over"
+_UNSTAMPED = "a message has stamp 0, which no transform belongs to: its driver must stamp it"
 
 
 class TransformedSubscription:
@@ -33,6 +34,8 @@ class TransformedSubscription:
     A message that comes late is put in its place while newer ones still wait; once a newer one was
     handed over it is dropped and counted, so stamps never run back in the callback. Only a clock
     or transforms that jump back, or 20 such messages in a row, begin a new order.
+
+    Stamp 0 would be looked up as "the newest transform": such a message is dropped and named.
 
     Args:
         node: Node with `transforms`, `frames`, `time` and `diagnostics`.
@@ -46,7 +49,8 @@ class TransformedSubscription:
         topic: Full name of the topic.
         num_received: Messages that came.
         num_delivered: Messages handed to the callback.
-        num_dropped: Messages given up, for want of a transform or of room, or for coming too late.
+        num_dropped: Messages given up, for want of a transform, of room or of a stamp, or for
+            coming too late.
         num_behind: Those of them that came after a newer one was handed over.
     """
 
@@ -95,6 +99,9 @@ class TransformedSubscription:
     def _on_message(self, msg: Any) -> None:
         self.num_received += 1
         stamp_ns = stamp_to_ns(msg.header.stamp)
+        if stamp_ns == 0:
+            self._drop(_UNSTAMPED)
+            return
         for waiting in self._queue.push(stamp_ns, self._node.time.read_ns(), msg):
             self._drop_untransformed(waiting, f"more than {CAPACITY} messages wait")
         self._deliver()
