@@ -117,6 +117,19 @@ def test_transforms_of_a_looping_bag_are_taken_up_without_clock(
     echo.wait_for("at x 2.500")
 
 
+def test_another_frame_that_goes_on_does_not_hide_a_looping_bag(
+    echo: NodeProcess, peer: Peer
+) -> None:
+    """As the mapper's own map->odom, which it hears on /tf as well."""
+    robot = Robot(peer, echo)
+    robot.tf.publish(tf_of("odom", "base_link", 1000 * S, 0.0))
+    for i in range(60):
+        robot.tf.publish(tf_of("odom", "base_link", 10 * S + i, 2.0))
+        robot.tf.publish(tf_of("map", "odom", 2000 * S + i, 0.0))
+        peer.spin(0.01)
+    echo.wait_for("jumped back without /clock")
+
+
 def test_without_tf2_msgs_one_line_says_so_and_the_node_lives(start: Start) -> None:
     code = (
         "import runpy, sys; sys.modules['tf2_msgs'] = None; "

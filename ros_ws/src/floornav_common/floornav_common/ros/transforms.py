@@ -50,7 +50,8 @@ class TransformListener:
         self._node = node
         self._steady_ns = steady_ns
         self._warnings = Throttle(_WARN_PERIOD_NS)
-        self._num_old = 0
+        # Per child frame: what this node sends itself comes back with stamps that go on.
+        self._num_old: dict[str, int] = {}
         self._on_update: list[Callable[[], None]] = []
         self._on_sample: list[Callable[[Any], None]] = []
         self._on_restart: list[Callable[[], None]] = []
@@ -90,6 +91,7 @@ class TransformListener:
     def clear(self) -> None:
         """Forget all that moves: the clock jumped back."""
         self.buffer.clear()
+        self._num_old.clear()
         for callback in self._on_restart:
             callback()
 
@@ -122,10 +124,9 @@ class TransformListener:
         except ValueError as error:
             self._warn(f"transform ignored: {error}")
             return
-        self._num_old = 0 if is_new else self._num_old + 1
-        if self._num_old >= _OLD_IN_A_ROW:
+        self._num_old[child] = 0 if is_new else self._num_old.get(child, 0) + 1
+        if self._num_old[child] >= _OLD_IN_A_ROW:
             self._warn("stamps on /tf jumped back without /clock (use_sim_time?): starting afresh")
-            self._num_old = 0
             self.clear()
 
     def _warn(self, text: str) -> None:
