@@ -16,17 +16,21 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "grid_mapper"))
 
 from worlds import drive_around, scan_at, square_room
 
+from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
 from grid_mapper.map_files import load_map
 
 pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
 
 NODE = (Path(__file__).with_name("listening.py"), "grid_mapper.nodes.grid_mapper_node")
 LASER = SE2(0.1, 0.0, 0.2)
 T0_NS = 1_000_000_000_000
 PERIOD_NS = 100_000_000
 TOL_M = 0.03
+OK, STALE = b"\x00", b"\x03"
+SILENT = "no scans: pose and map->odom are not sent"
 
 
 class Robot:
@@ -55,6 +59,12 @@ class Robot:
         self.poses_driven = drive_around()
         self.step = 0
 
+    def is_sending(self, seconds: float) -> bool:
+        """Return whether the mapper sends its transform in the next while."""
+        self.transforms.clear()
+        self.peer.spin(seconds)
+        return bool(self.sent_by_mapper())
+
     def send_odometry(self, odom: SE2, stamp_ns: int) -> None:
         from floornav_common.ros.transforms import _stamped
 
@@ -63,12 +73,14 @@ class Robot:
         self._tf.publish(msg)
 
     def send_scan(self, pose: SE2, stamp_ns: int, frame: str = "laser") -> None:
+        rng = np.random.default_rng(self.step)
+        self.send(scan_at(pose @ LASER, square_room(), rng=rng), stamp_ns, frame)
+
+    def send(self, scan: Scan, stamp_ns: int, frame: str = "laser") -> None:
         from std_msgs.msg import Header
 
         from floornav_common.ros.messages import ns_to_stamp, scan_to_msg
 
-        rng = np.random.default_rng(self.step)
-        scan = scan_at(pose @ LASER, square_room(), rng=rng)
         self._scan.publish(scan_to_msg(scan, Header(stamp=ns_to_stamp(stamp_ns), frame_id=frame)))
 
     def drive(self, num: int) -> SE2:
@@ -95,6 +107,12 @@ class Robot:
 
     def sent_by_mapper(self) -> list[Any]:
         return [t for m in self.transforms for t in m.transforms if t.header.frame_id == "map"]
+
+
+def mapping_status(arrays: list[Any]) -> tuple[bytes, str]:
+    """Return level and message of what the mapper said last of its mapping."""
+    said = [s for array in arrays for s in array.status if s.name == "/grid_mapper: mapping"]
+    return (said[-1].level, said[-1].message) if said else (b"", "")
 
 
 @pytest.fixture
@@ -151,27 +169,106 @@ def test_without_transforms_nothing_is_published_and_the_frame_is_named(mapper):
 
 
 def test_a_blind_laser_means_lost_and_no_transform(mapper):
-    from std_msgs.msg import Header
-
-    from floornav_common.ros.messages import ns_to_stamp, scan_to_msg
-    from floornav_common.scan import Scan
-
     robot = mapper.robot
     robot.drive(15)
     blind = Scan(np.full(360, np.nan), -np.pi, 2.0 * np.pi / 360, 0.05, 30.0)
     for _ in range(15):
         stamp_ns = T0_NS + robot.step * PERIOD_NS
-        header = Header(stamp=ns_to_stamp(stamp_ns), frame_id="laser")
-        robot._scan.publish(scan_to_msg(blind, header))
+        robot.send(blind, stamp_ns)
         robot.send_odometry(SE2.identity(), stamp_ns)
         mapper.peer.spin(0.05)
         robot.step += 1
     mapper.node.wait_for("scan not trusted", 5.0)
     mapper.peer.spin(0.5)
-    assert len(robot.poses) < 30
+    # 15 of the drive, and the blind ones up to lost_after_s (1.0 s) behind the last trusted scan
+    assert len(robot.poses) == 15 + 10
+    assert not robot.is_sending(0.5)
+
+
+def test_map_to_odom_stops_when_scans_stop_and_comes_back_with_a_trusted_one(mapper):
+    robot = mapper.robot
+    arrays = mapper.peer.collect(DiagnosticArray, "/diagnostics", 10)
+    robot.drive(15)
+    mapper.peer.spin_until(lambda: bool(robot.sent_by_mapper()))
+    mapper.peer.spin_until(lambda: mapping_status(arrays) == (STALE, SILENT))
+    assert not robot.is_sending(0.5)
+    num_poses = len(robot.poses)
+    blind = Scan(np.full(360, np.nan), -np.pi, 2.0 * np.pi / 360, 0.05, 30.0)
+    robot.send(blind, T0_NS + robot.step * PERIOD_NS)
+    robot.send_odometry(SE2.identity(), T0_NS + robot.step * PERIOD_NS)
+    mapper.node.wait_for("scan not trusted")
+    assert not robot.is_sending(0.5) and len(robot.poses) == num_poses
+    robot.step += 1
+    robot.drive(1)
+    mapper.peer.spin_until(lambda: bool(robot.sent_by_mapper()))
+    mapper.peer.spin_until(lambda: mapping_status(arrays)[0] == OK)
+
+
+def test_map_to_odom_stops_when_no_scan_finds_its_transform(mapper):
+    robot = mapper.robot
+    arrays = mapper.peer.collect(DiagnosticArray, "/diagnostics", 10)
+    robot.drive(15)
+    mapper.peer.spin_until(lambda: bool(robot.sent_by_mapper()))
+    for step in range(30):
+        robot.send_scan(SE2.identity(), T0_NS + (20 + step) * PERIOD_NS, frame="nowhere")
+        mapper.peer.spin(0.1)
+    assert mapping_status(arrays) == (STALE, SILENT)
+    assert not robot.is_sending(0.5)
+
+
+def test_transforms_that_jump_back_stop_map_to_odom_at_once(mapper):
+    """Well within scan_timeout_s (2 s) of the last scan."""
+    robot = mapper.robot
+    robot.drive(15)
+    mapper.peer.spin_until(lambda: bool(robot.sent_by_mapper()))
+    robot.drive(1)
+    for number in range(60):
+        robot.send_odometry(SE2.identity(), T0_NS // 2 + number)
+        mapper.peer.spin(0.005)
+    mapper.node.wait_for("jumped back without /clock")
+    mapper.peer.spin(0.1)
+    assert not robot.is_sending(0.4)
+
+
+def test_a_clock_that_jumps_back_stops_map_to_odom_until_a_scan_is_trusted(start, peer):
+    from rosgraph_msgs.msg import Clock
+
+    from floornav_common.ros.messages import ns_to_stamp
+
+    node = start(*NODE, "--ros-args", "-p", "use_sim_time:=true")
+    node.wait_for("ready", 60.0)
+    robot = Robot(peer, node)
+    clock = peer.publisher(Clock, "/clock", 1)
+
+    def tick(first_ns: int, num: int) -> None:
+        for number in range(num):
+            clock.publish(Clock(clock=ns_to_stamp(first_ns + number * PERIOD_NS // 2)))
+            peer.spin(0.02)
+
+    tick(T0_NS, 10)
+    robot.drive(5)
+    tick(T0_NS + 5 * PERIOD_NS, 30)
+    peer.spin_until(lambda: bool(robot.sent_by_mapper()))
+    tick(T0_NS, 3)
+    node.wait_for("the clock jumped back")
     robot.transforms.clear()
-    mapper.peer.spin(0.5)
+    tick(T0_NS + PERIOD_NS, 20)
     assert not robot.sent_by_mapper()
+    robot.step = 0
+    robot.drive(2)
+    tick(T0_NS + 15 * PERIOD_NS, 10)
+    assert robot.sent_by_mapper()
+
+
+def test_a_coarse_scan_is_refused_and_the_node_lives(mapper):
+    robot = mapper.robot
+    for step in range(3):
+        stamp_ns = T0_NS - (10 - step) * PERIOD_NS
+        robot.send(Scan(np.full(40, 2.0), 0.0, 0.3, 0.05, 30.0), stamp_ns)
+        robot.send_odometry(SE2.identity(), stamp_ns)
+    assert "40 beams" in mapper.node.wait_for("at most 6.91 rad")
+    robot.drive(3)
+    assert len(robot.poses) == 3
 
 
 def test_another_source_of_map_to_odom_is_named_and_left_alone(mapper):
@@ -194,6 +291,22 @@ def test_reset_empties_the_map(mapper):
     assert mapper.peer.trigger("grid_mapper/reset", mapper.node).success
     answer = mapper.peer.trigger("grid_mapper/save_map", mapper.node)
     assert not answer.success and "no cells" in answer.message
+
+
+def test_reset_replaces_the_latched_map_by_one_unknown_cell(mapper, make_peer):
+    from nav_msgs.msg import OccupancyGrid
+
+    from floornav_common.ros.qos import LATCHED_QOS
+
+    mapper.robot.drive(10)
+    mapper.peer.spin_until(lambda: bool(mapper.robot.maps))
+    assert mapper.peer.trigger("grid_mapper/reset", mapper.node).success
+    late = make_peer("late_reader")
+    maps = late.collect(OccupancyGrid, "map", LATCHED_QOS)
+    late.spin_until(lambda: bool(maps))
+    assert list(maps[-1].data) == [-1] and maps[-1].header.frame_id == "map"
+    mapper.robot.drive(1)
+    mapper.peer.spin_until(lambda: mapper.robot.maps[-1].info.width > 1)
 
 
 def test_a_wrong_parameter_ends_the_node_with_one_line(start):

@@ -32,3 +32,14 @@ def test_stamps_that_jump_back_do_not_hide_a_loss():
     assert not tracking.is_lost
     tracking.update(14 * S, False, AFTER)
     assert tracking.is_lost
+
+
+def test_once_lost_by_silence_only_a_trusted_scan_finds_it_again():
+    tracking = Tracking()
+    tracking.update(1 * S, True, AFTER)
+    tracking.lose()
+    assert tracking.is_lost
+    tracking.update(2 * S, False, AFTER)
+    assert tracking.is_lost
+    tracking.update(3 * S, True, AFTER)
+    assert not tracking.is_lost

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Path
 
+from floornav_common.grid import UNKNOWN, OccupancyMap
 from floornav_common.ros.messages import ns_to_stamp, se2_cov_to_ros, se2_to_pose
 from floornav_common.se2 import SE2
 
@@ -22,12 +22,20 @@ def pose_to_msg(pose: SE2, cov: np.ndarray, stamp: Any, frame_id: str) -> PoseWi
     return msg
 
 
-def path_to_msg(trajectory: Sequence[tuple[int, SE2]], stamp: Any, frame_id: str) -> Path:
-    """Return a path of (stamp_ns, pose) rows."""
-    msg = Path()
-    msg.header.stamp, msg.header.frame_id = stamp, frame_id
-    for stamp_ns, pose in trajectory:
-        stamped = PoseStamped(pose=se2_to_pose(pose))
-        stamped.header.stamp, stamped.header.frame_id = ns_to_stamp(stamp_ns), frame_id
-        msg.poses.append(stamped)
+def stamped_pose(stamp_ns: int, pose: SE2, frame_id: str) -> PoseStamped:
+    """Return one pose of a path."""
+    msg = PoseStamped(pose=se2_to_pose(pose))
+    msg.header.stamp, msg.header.frame_id = ns_to_stamp(stamp_ns), frame_id
     return msg
+
+
+def path_to_msg(poses: list[PoseStamped], stamp: Any, frame_id: str) -> Path:
+    """Return a path of poses made by `stamped_pose`."""
+    msg = Path(poses=poses)
+    msg.header.stamp, msg.header.frame_id = stamp, frame_id
+    return msg
+
+
+def empty_map(resolution: float) -> OccupancyMap:
+    """Return one unknown cell: the least that readers of a latched map accept as a map."""
+    return OccupancyMap(np.full((1, 1), UNKNOWN, np.int8), resolution, SE2.identity())

@@ -14,6 +14,10 @@ class Tracking:
         self.is_lost = True
         self._trusted_ns: int | None = None
 
+    def lose(self) -> None:
+        """Be lost until the next trusted scan: scans stopped, or time jumped."""
+        self.is_lost, self._trusted_ns = True, None
+
     def update(self, stamp_ns: int, is_trusted: bool, lost_after_s: float) -> None:
         """Take the verdict on a scan; stamps may jump back."""
         if is_trusted:

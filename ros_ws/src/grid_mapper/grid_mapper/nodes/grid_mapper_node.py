@@ -19,7 +19,7 @@ from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Trigger
 
 from floornav_common.ros import messages
-from floornav_common.ros.diagnostics import ERROR, OK, WARN, Status
+from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.main import run_node
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.odometry import OdometryFallback
@@ -44,7 +44,7 @@ from grid_mapper.map_files import free_prefix, save_map
 from grid_mapper.mapper import GridMapper
 from grid_mapper.nodes.map_to_odom import MapToOdom
 from grid_mapper.path_thinner import PathThinner
-from grid_mapper.ros_conversions import path_to_msg, pose_to_msg
+from grid_mapper.ros_conversions import empty_map, path_to_msg, pose_to_msg, stamped_pose
 from grid_mapper.tracking import Tracking
 from grid_mapper.warm_up import compile_kernels
 
@@ -76,7 +76,8 @@ class GridMapperNode(FloornavNode):
         self.create_service(Trigger, "~/save_map", self._on_save_map)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_timer(self._config.map_period_s, self._publish_map)
-        self.time.on_restart(self._mapper.break_motion)
+        self.transforms.on_restart(self._restart)  # the clock's too
+        self.time.on_look(self._look)
         self.diagnostics.add("mapping", self._status)
         self.ready(compile_kernels)
 
@@ -86,7 +87,10 @@ class GridMapperNode(FloornavNode):
         self._path_pub = create_publisher(self, Path, "trajectory", RELIABLE_QOS)
 
     def _forget(self) -> None:
-        self._tracking, self._path = Tracking(), PathThinner()
+        self._tracking = Tracking()
+        self._path: PathThinner[Any] = PathThinner(
+            lambda stamp_ns, pose: stamped_pose(stamp_ns, pose, self.frames.map)
+        )
         self._num_scans = self._num_trusted = 0
         self._worst_ms, self._reason, self._num_published = 0.0, "no scan yet", 0
 
@@ -97,8 +101,22 @@ class GridMapperNode(FloornavNode):
     def _tune(self, config: GridMapperConfig) -> None:
         self._mapper.reconfigure(config)
 
+    def _restart(self) -> None:
+        """Begin anew in the map that is there: stamps jumped back."""
+        self._mapper.break_motion()
+        self._lose()
+
+    def _look(self) -> None:
+        """Stop sending when scans stop; while /clock stands still nothing is sent anyway."""
+        if not self._watchdog.is_fresh and not self.time.is_stopped:
+            self._lose()
+
+    def _lose(self) -> None:
+        self._tracking.lose()
+        if self._tf is not None:
+            self._tf.set(None)
+
     def _on_scan(self, msg: Any, T_target_laser: Transform3) -> None:
-        self._watchdog.feed()
         stamp_ns = messages.stamp_to_ns(msg.header.stamp)
         T_base_laser, T_odom_base = T_target_laser, None
         try:
@@ -108,11 +126,12 @@ class GridMapperNode(FloornavNode):
                 )
                 T_odom_base = (T_target_laser @ T_base_laser.inverse()).to_se2()
             scan, pose = level_scan(messages.scan_from_msg(msg), T_base_laser)
+            started = time.perf_counter()
+            result = self._mapper.insert_scan(stamp_ns, scan, pose, T_odom_base)
         except (ValueError, TransformUnavailable) as error:
             self._warn(f"{self._scans.topic}: {error}")
             return
-        started = time.perf_counter()
-        result = self._mapper.insert_scan(stamp_ns, scan, pose, T_odom_base)
+        self._watchdog.feed()
         self._worst_ms = max(self._worst_ms, 1e3 * (time.perf_counter() - started))
         self._take(result, msg.header.stamp, stamp_ns, T_odom_base)
 
@@ -134,13 +153,21 @@ class GridMapperNode(FloornavNode):
             )
 
     def _publish_map(self) -> None:
-        if self._mapper.num_key_scans == self._num_published:
+        stamp_ns = self._path.newest_stamp_ns
+        if self._mapper.num_key_scans == self._num_published or stamp_ns is None:
             return
         self._num_published = self._mapper.num_key_scans
-        stamp = messages.ns_to_stamp(self._path.poses()[-1][0])
+        stamp = messages.ns_to_stamp(stamp_ns)
         grid = self._mapper.occupancy()
         self._map_pub.publish(messages.grid_to_msg(grid, stamp, self.frames.map))
-        self._path_pub.publish(path_to_msg(self._path.poses(), stamp, self.frames.map))
+        self._path_pub.publish(path_to_msg(self._path.rows(), stamp, self.frames.map))
+
+    def _publish_nothing_known(self) -> None:
+        """Replace the latched map and the path, so that the old ones do not stay up."""
+        stamp, frame = self.get_clock().now().to_msg(), self.frames.map
+        grid = empty_map(self._mapper.config.resolution_m)
+        self._map_pub.publish(messages.grid_to_msg(grid, stamp, frame))
+        self._path_pub.publish(path_to_msg([], stamp, frame))
 
     def _on_initial_pose(self, msg: Any) -> None:
         if msg.header.frame_id.lstrip("/") != self.frames.map:
@@ -165,8 +192,8 @@ class GridMapperNode(FloornavNode):
     def _on_reset(self, _: Any, response: Trigger.Response) -> Trigger.Response:
         self._mapper.reset()
         self._forget()
-        if self._tf is not None:
-            self._tf.set(None)
+        self._lose()
+        self._publish_nothing_known()
         response.success, response.message = True, "map and trajectory are empty"
         return response
 
@@ -177,6 +204,8 @@ class GridMapperNode(FloornavNode):
             "longest scan (ms)": f"{self._worst_ms:.1f}",
             "map (MB)": f"{self._mapper.num_bytes / 1e6:.1f}",
         }
+        if not self._watchdog.is_fresh:
+            return Status(STALE, "no scans: pose and map->odom are not sent", values)
         if self._tracking.is_lost:
             return Status(ERROR, f"lost: {self._reason}", values)
         if self._reason:
