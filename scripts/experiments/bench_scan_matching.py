@@ -2,8 +2,7 @@
 
 All get the same points of the same scans in the same run, scan by scan in turns, and nothing else:
 no odometry, constant velocity as the start. Ours is timed from ranges to pose, its map update
-included. kiss-icp runs with its own settings and 0.2 m voxels, genz-icp likewise (both were the
-best of 0.1, 0.2 and 0.5 m on this loop). Floor: the points from the ranges and one evaluation of
+included. kiss-icp and genz-icp run with their own settings, 0.2 m voxels and no motion compensation. Floor: the points from the ranges and one evaluation of
 the residuals.
 """
 
@@ -23,13 +22,13 @@ from grid_mapper.warm_up import compile_kernels
 
 SCAN_PERIOD_NS = 100_000_000
 BEAMS = {"180": (180, np.pi), "360": (360, 2.0 * np.pi), "1081": (1081, 1.5 * np.pi)}
-NUM_SEEDS = 3
+NUM_SEEDS, FIRST_SEED = 8, 200  # no value of ours was chosen on these
 VOXEL_M = 0.2
 Step = Callable[[int, np.ndarray], SE2]
 
 
 def run(seed: int, say: Callable[[str], None]) -> list[Case]:
-    """Return a case for each number of beams, over `NUM_SEEDS` loops from `seed` on."""
+    """Return a case for each number of beams, over `NUM_SEEDS` loops."""
     compile_kernels()
     cases = []
     for name, (num_beams, fov) in BEAMS.items():
@@ -37,7 +36,7 @@ def run(seed: int, say: Callable[[str], None]) -> list[Case]:
         ends: dict[str, list[float]] = {}
         for k in range(NUM_SEEDS):
             say(f"scan_matching: {name} beams, loop {k + 1} of {NUM_SEEDS}")
-            drive = corridor_loop(num_beams, fov, seed + k)
+            drive = corridor_loop(num_beams, fov, FIRST_SEED + seed + k)
             for who, (times, poses) in _race(drive).items():
                 ms.setdefault(who, []).extend(times)
                 ends.setdefault(who, []).append(drive.truth[-1].between(poses[-1]).distance)

@@ -227,10 +227,15 @@ class ScanLocalizer:
         sigmas = float(np.sqrt(off @ np.linalg.solve(near, off)))
         sigma_m = np.sqrt(np.linalg.eigvalsh(near[:2, :2])[1])
         is_vague = sigma_m > config.vague_sigma_m or near[2, 2] > config.vague_sigma_rad**2
+        if num_points < config.min_pairs:
+            return f"the scan has {num_points} points, fewer than {config.min_pairs}"
         if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
-            return f"{match.num_pairs} of {num_points} points found the map"
+            return f"{match.num_pairs} of the scan's {num_points} points are near the map"
         if match.agreement < config.min_agreement:
-            return f"the points that found the map agree with it by {match.agreement:.2f}"
+            return (
+                f"points near the map do not lie on it: agreement {match.agreement:.2f}, "
+                f"{config.min_agreement:.2f} is asked"
+            )
         if match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
             return f"a match of few points is {sigmas:.1f} deviations from the prediction"
         if is_vague and not self._is_found(match):

@@ -12,6 +12,7 @@ from types import ModuleType
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
+from rclpy.utilities import remove_ros_args
 
 from floornav_common.ros.parameters import ParameterError
 from floornav_common.start import interrupt_on_signal
@@ -32,7 +33,24 @@ def run_node(make_node: Callable[[], Node], args: Sequence[str] | None = None) -
         Exit code: 0 stopped by SIGINT, SIGTERM or shutdown, however early, 1 failed, 2 not usable
         as given.
     """
+    others = remove_ros_args(sys.argv)[1:] if args is None else []
+    if {"-h", "--help"} & set(others):
+        print(_usage(make_node))
+        return EXIT_OK
+    if others:
+        print(
+            f"{' '.join(others)}: not understood; put --ros-args before -p and -r", file=sys.stderr
+        )
+        return EXIT_USAGE
     return run_nodes([make_node], args)
+
+
+def _usage(make_node: Callable[[], Node]) -> str:
+    """Return the text of `--help`: what the node's module says of it, and how to set parameters."""
+    text = (inspect.getdoc(inspect.getmodule(make_node)) or "").strip()
+    return (
+        f"{text}\n\nusage: --ros-args [-p NAME:=VALUE ...] [-r FROM:=TO ...] [--params-file YAML]"
+    )
 
 
 def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | None = None) -> int:

@@ -28,6 +28,8 @@ class Watchdog:
         self._deadline = Deadline(int(timeout_s * 1e9))
         node.time.on_restart(self._deadline.restart)
         node.diagnostics.add(f"input {topic}", self.status)
+        node.time.on_look(self._say_change)
+        self._has_said_silence = False
 
     def feed(self) -> None:
         """Note that the input came."""
@@ -43,6 +45,17 @@ class Watchdog:
         time = self._node.time
         is_late = self._deadline.is_over(time.read_ns())
         return self._deadline.has_heard and not is_late and not time.is_stopped
+
+    def _say_change(self) -> None:
+        """Say once in the log that the input is missing, and once that it came."""
+        is_missing = not self.is_fresh and self._deadline.is_over(self._node.time.read_ns())
+        if is_missing and not self._has_said_silence:
+            self._node.get_logger().warning(f"{self.topic}: {self.status().message}")
+        elif self._has_said_silence and self.is_fresh:
+            self._node.get_logger().info(f"{self.topic}: arriving")
+        else:
+            return
+        self._has_said_silence = is_missing
 
     def status(self) -> Status:
         """Return OK, or STALE with what is missing and who publishes it."""
