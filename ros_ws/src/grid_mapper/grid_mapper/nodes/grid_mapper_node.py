@@ -92,7 +92,8 @@ class GridMapperNode(FloornavNode):
             lambda stamp_ns, pose: stamped_pose(stamp_ns, pose, self.frames.map)
         )
         self._num_scans = self._num_trusted = 0
-        self._worst_ms, self._reason, self._num_published = 0.0, "no scan yet", 0
+        self._worst_ms, self._num_published = 0.0, 0
+        self._reason, self._note = "no scan yet", ""
 
     def _set_config(self, config: GridMapperNodeConfig) -> None:
         self._config = config
@@ -139,7 +140,7 @@ class GridMapperNode(FloornavNode):
         """Publish the pose of a scan, unless the robot is lost."""
         self._num_scans += 1
         self._num_trusted += result.is_trusted
-        self._reason = result.reason
+        self._reason, self._note = result.reason, result.note
         self._tracking.update(stamp_ns, result.is_trusted, self._config.lost_after_s)
         is_lost = self._tracking.is_lost
         if not result.is_trusted:
@@ -210,6 +211,8 @@ class GridMapperNode(FloornavNode):
             return Status(ERROR, f"lost: {self._reason}", values)
         if self._reason:
             return Status(WARN, f"newest scan not trusted: {self._reason}", values)
+        if self._note:
+            return Status(WARN, f"{self._note}; odometry decides", values)
         return Status(OK, "every scan fits the map", values)
 
     def _warn(self, text: str) -> None:
