@@ -130,7 +130,8 @@ def test_config_is_read_and_unknown_keys_are_refused(tmp_path):
     [(["missing"], "does not exist"), (["bag"], "--laser-pose"),
      (["bag", "--scan-topic", "/left"], "/left"), (["room", "--relations", "missing"], "missing"),
      (["room", "--gt", "missing"], "missing"), (["room", "--config", "missing"], "missing"),
-     (["room", "--half-axle", "0"], "half_axle_m")],
+     (["room", "--half-axle", "0"], "half_axle_m"),
+     (["room", "--laser-pose", "0", "0", "180"], "radians")],
 )  # fmt: skip
 def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, monkeypatch, capsys, args, expected):
     monkeypatch.chdir(tmp_path)

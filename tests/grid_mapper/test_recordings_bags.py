@@ -140,6 +140,16 @@ def test_without_a_laser_transform_the_user_must_say_where_it_is(tmp_path):
     assert [e.T_base_laser for e in events] == [SE2(0.3, 0.0, 0.1)] * 3
 
 
+def test_a_laser_pose_that_overrides_tf_says_what_tf_has(tmp_path):
+    path = write_bag(tmp_path / "bag", drive(3))
+    recording, events = read(path, laser_pose=SE2(0.3, 0.0, 0.1))
+    assert events[0].T_base_laser == SE2(0.3, 0.0, 0.1)
+    assert any("TF base_link -> laser: 0.200 0.000 0.0000" in line for line in recording.info)
+    path = write_bag(tmp_path / "bare", drive(3, has_static=False))
+    recording, _ = read(path, laser_pose=SE2(0.3, 0.0, 0.1))
+    assert "laser pose: as given on the command line" in recording.info
+
+
 def test_a_laser_hung_upside_down_sweeps_the_other_way(tmp_path):
     messages = drive(1)
     down = tf_message(transform(0, "base_link", "laser", 0.2, roll=math.pi))

@@ -7,6 +7,7 @@ and trajectory, byte for byte.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -126,7 +127,7 @@ def _options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:
         scan_topic=args.scan_topic,
         odom_topic=args.odom_topic,
         sonar_topics=tuple(args.sonar_topic),
-        laser_pose=None if args.laser_pose is None else SE2(*args.laser_pose),
+        laser_pose=None if args.laser_pose is None else _laser_pose(*args.laser_pose),
         use_odom=not args.no_odom,
         base_frame=args.base_frame if args.base_frame is not None else _named(frames.base, "base"),
         odom_frame=args.odom_frame if args.odom_frame is not None else _named(frames.odom, "odom"),
@@ -138,6 +139,12 @@ def _options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:
             half_axle_m=args.half_axle,
         ),
     )
+
+
+def _laser_pose(x: float, y: float, yaw: float) -> SE2:
+    if not abs(yaw) <= 2.0 * math.pi:
+        raise ValueError(f"--laser-pose: YAW is in radians, from -2 pi to 2 pi, got {yaw:g}")
+    return SE2(x, y, yaw)
 
 
 def _named(frame: str, name: str) -> str | None:

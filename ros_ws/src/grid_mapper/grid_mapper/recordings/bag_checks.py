@@ -51,10 +51,10 @@ def laser_info(
     Raises:
         RecordingError: If it is not known, or the laser is not level.
     """
-    if options.laser_pose is not None:
-        return "laser pose: as given on the command line"
-    cure = "say where the laser sits on the robot with --laser-pose X Y YAW (m, m, rad)"
     frame, tree = plain(found.first[topic].header.frame_id), found.tree
+    if options.laser_pose is not None:
+        return f"laser pose: as given on the command line{_overridden(found, base, frame)}"
+    cure = "say where the laser sits on the robot with --laser-pose X Y YAW (m, m, rad)"
     if not frame:
         raise RecordingError(f"{path}: scans on {topic} name no frame_id: {cure}")
     if not tree.connects(base, frame):
@@ -69,17 +69,35 @@ def laser_info(
     return f"laser pose: TF {base} -> {frame}{note}"
 
 
+def _overridden(found: Survey, base: str, frame: str) -> str:
+    """Return what TF says of a laser whose pose is given; "" if TF does not know it."""
+    if not frame or frame == base or not found.tree.connects(base, frame):
+        return ""
+    pose = _fixed_pose(found, base, frame)
+    if pose is None:
+        return f" (instead of TF {base} -> {frame}, which moves)"
+    x, y, _ = pose.translation
+    return f" (instead of TF {base} -> {frame}: {x:.3f} {y:.3f} {pose.to_se2().yaw:.4f})"
+
+
+def _fixed_pose(found: Survey, base: str, frame: str) -> Transform3 | None:
+    """Return where a frame sits on the robot by what never moves; None if that does not say."""
+    buffer = TransformBuffer()
+    try:
+        for parent, child, stamp_ns, xyz, quat in fixed_links(found.tree, base).values():
+            buffer.set_transform(parent, child, stamp_ns, xyz, quat, is_static=True)
+        return buffer.lookup(base, frame)
+    except (TransformUnavailable, ValueError):
+        return None
+
+
 def _check_level(
     path: Path, found: Survey, topic: str, base: str, options: RecordingOptions
 ) -> None:
     """Refuse a laser that is mounted at a tilt; one that moves is judged scan by scan."""
-    buffer = TransformBuffer()
     first = found.first[topic]
-    try:
-        for parent, child, stamp_ns, xyz, quat in fixed_links(found.tree, base).values():
-            buffer.set_transform(parent, child, stamp_ns, xyz, quat, is_static=True)
-        pose = buffer.lookup(base, first.header.frame_id)
-    except (TransformUnavailable, ValueError):
+    pose = _fixed_pose(found, base, first.header.frame_id)
+    if pose is None:
         return
     try:
         level_scan(scan_of(first, options.range_limits_m), pose)
