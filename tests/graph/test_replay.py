@@ -212,9 +212,12 @@ def test_a_subscriber_whose_qos_does_not_fit_is_named_with_its_cure(
 ) -> None:
     source = write_bag(tmp_path / "source")
     peer.collect(String, "/lossy", RELIABLE)
-    replay = start(SCRIPTS / "replay.py", source, "--wait", "1")
-    assert replay.wait_for_exit(20.0) == 0
-    assert "/lossy" in replay.text and "--qos" in replay.text
+    replay = start(SCRIPTS / "replay.py", source, "--loop", "--wait", "1")
+    line = replay.wait_for("gets nothing of /lossy", 20.0)
+    assert "/test_peer" in line and "reliability: reliable" in line and "--qos" in line
+    peer.spin(2.5)  # some more looks
+    assert replay.stop(signal.SIGINT) == 0
+    assert replay.text.count("gets nothing of") == 1
 
 
 def test_a_clock_in_the_bag_is_not_published_beside_ours(

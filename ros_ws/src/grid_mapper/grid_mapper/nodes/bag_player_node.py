@@ -5,18 +5,18 @@ In: nothing. Out: the topics of a bag, `/clock` in recorded time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from builtin_interfaces.msg import Time
 from rclpy.duration import Duration
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
 from floornav_common.ros.qos import CLOCK_QOS
 from grid_mapper.nodes.bag_qos import overridden, to_offered
 from grid_mapper.nodes.message_types import message_class
+from grid_mapper.nodes.unfit_subscribers import UnfitSubscribers
 from grid_mapper.recordings.bag import Message, Topic
 from grid_mapper.recordings.playback import STATIC_NAME, offered_profile
 
@@ -46,7 +46,6 @@ class BagPlayerNode(Node):
         super().__init__("bag_player")
         self.unknown_types: dict[str, str] = {}
         self._publishers_by_topic: dict[str, Any] = {}
-        self._known_unfit: set[tuple[str, str, str]] = set()
         for topic in topics:
             found = message_class(topic.msgtype)
             if found is None:
@@ -70,20 +69,9 @@ class BagPlayerNode(Node):
         """How many topics have a subscriber."""
         return sum(p.get_subscription_count() > 0 for p in self._publishers_by_topic.values())
 
-    def unfit(self) -> list[str]:
-        """Return a line for each subscription that asks for more than is offered; each once."""
-        lines = []
-        for topic, publisher in self._publishers_by_topic.items():
-            for info in self.get_subscriptions_info_by_topic(publisher.topic_name):
-                policy = _missing_policy(publisher.qos_profile, info.qos_profile)
-                known = (topic, info.node_name, policy)
-                if policy and known not in self._known_unfit:
-                    self._known_unfit.add(known)
-                    lines.append(
-                        f"{info.node_name} gets nothing of {topic}: it asks for {policy}, the"
-                        " recorded publisher did not offer that; change it with --qos FILE"
-                    )
-        return lines
+    def watch_unfit(self, tell: Callable[[str], None]) -> UnfitSubscribers:
+        """Return what finds the subscriptions that ask for more than is offered."""
+        return UnfitSubscribers(self, self._publishers_by_topic, tell)
 
     def play(self, message: Message) -> None:
         """Publish a message's bytes."""
@@ -99,18 +87,3 @@ class BagPlayerNode(Node):
         """Give reliable subscribers time to get the last messages."""
         for publisher in self._publishers_by_topic.values():
             publisher.wait_for_all_acked(Duration(seconds=ACK_TIMEOUT_S))
-
-
-def _missing_policy(offered: QoSProfile, asked: QoSProfile) -> str:
-    """Return the policy in which a subscription asks for more than is offered; "" if none."""
-    if (
-        asked.reliability == ReliabilityPolicy.RELIABLE
-        and offered.reliability == ReliabilityPolicy.BEST_EFFORT
-    ):
-        return "reliability: reliable"
-    if (
-        asked.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        and offered.durability == DurabilityPolicy.VOLATILE
-    ):
-        return "durability: transient_local"
-    return ""

@@ -17,6 +17,7 @@ from floornav_common.reporting import UserError
 from grid_mapper.nodes.bag_player_node import CLOCK_TOPIC, BagPlayerNode
 from grid_mapper.nodes.bag_qos import load_overrides
 from grid_mapper.nodes.record_bag import stop_on_signal
+from grid_mapper.nodes.unfit_subscribers import UnfitSubscribers
 from grid_mapper.recordings.bag import Bag, Message
 from grid_mapper.recordings.events import RecordingError
 from grid_mapper.recordings.playback import (
@@ -28,7 +29,6 @@ from grid_mapper.recordings.playback import (
 
 DEFAULT_CLOCK_HZ = 100.0
 LONGEST_SLEEP_S = 0.05
-LOOK_PERIOD_S = 1.0
 SETTLE_S = 0.5
 MATCHED_S = 0.2
 """The other side finds the match a little later than we do."""
@@ -137,12 +137,15 @@ def _play(
     if not node.playable:
         raise UserError(f"{args.bag}: no topic that this machine knows the type of")
     code = 0
+    unfit = node.watch_unfit(lambda line: print(f"warning: {line}", file=sys.stderr))
     try:
         for message in latched_before(bag, node.playable, window.start_ns):
             node.play(message)
         _wait_for_subscribers(node, args.wait, should_stop)
-        _play_rounds(node, bag, window, args, should_stop)
+        unfit.look()
+        _play_rounds(node, unfit, bag, window, args, should_stop)
         node.wait_for_delivery()
+        unfit.look()
     except Stopped:
         code = 0 if args.loop else 1
         print("stopped", file=sys.stderr)
@@ -153,44 +156,45 @@ def _play(
 
 def _play_rounds(
     node: BagPlayerNode,
+    unfit: UnfitSubscribers,
     bag: Bag,
     window: PlayWindow,
     args: argparse.Namespace,
     should_stop: Callable[[], bool],
 ) -> None:
-    looked_s = 0.0
+    def tick(now_ns: int) -> None:
+        node.tick(now_ns)
+        unfit.look_now_and_then()
+
     length_s = (window.end_ns - window.start_ns) * 1e-9
     with Progress("replaying", length_s, is_quiet=args.quiet) as progress:
         while True:
             pace = Pace(window, args.rate, args.clock, time.monotonic())
             node.tick(window.start_ns)
             num_played = 0
-            for message in _in_time(bag, node, pace, should_stop):
+            for message in _in_time(bag, node.playable, pace, tick, should_stop):
                 node.play(message)
                 num_played += 1
-                if time.monotonic() - looked_s > LOOK_PERIOD_S:
-                    looked_s = time.monotonic()
-                    _warn(node)
+                unfit.look_now_and_then()  # no tick comes between messages that are late
                 done_s = (message.recorded_ns - window.start_ns) * 1e-9
                 progress.update(done_s, f"{done_s:.1f} s, {num_played} messages")
-            pace.wait_for(window.end_ns, node.tick, should_stop)
+            pace.wait_for(window.end_ns, tick, should_stop)
             node.tick(window.end_ns)
             progress.update(length_s, f"{length_s:.1f} s, {num_played} messages", is_last=True)
             if not args.loop:
                 return
 
 
-def _warn(node: BagPlayerNode) -> None:
-    for line in node.unfit():
-        print(f"warning: {line}", file=sys.stderr)
-
-
 def _in_time(
-    bag: Bag, node: BagPlayerNode, pace: Pace, should_stop: Callable[[], bool]
+    bag: Bag,
+    playable: list[str],
+    pace: Pace,
+    tick: Callable[[int], None],
+    should_stop: Callable[[], bool],
 ) -> Iterator[Message]:
     """Yield each message when it is due."""
-    for message in messages_within(bag, node.playable, pace.window):
-        pace.wait_for(message.recorded_ns, node.tick, should_stop)
+    for message in messages_within(bag, playable, pace.window):
+        pace.wait_for(message.recorded_ns, tick, should_stop)
         yield message
 
 
