@@ -14,6 +14,7 @@ import numpy as np
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
+from _demo_domain import refuse_other_clock
 from _demo_report import (
     figures,
     in_world,
@@ -23,7 +24,7 @@ from _demo_report import (
     write_tum,
 )
 from _demo_watch import DemoWatch, Heard
-from _processes import ChildDiedError, Processes, free_domain
+from _processes import ChildDiedError, Processes
 from floornav_common.reporting import Progress, say
 from floornav_common.ros.main import make_executor
 from sim_bridge.robot_model import load_robot
@@ -62,7 +63,6 @@ class Demo:
 
     def run(self) -> None:
         """Start everything, watch until the end of the route, stop everything."""
-        os.environ.setdefault("ROS_DOMAIN_ID", str(free_domain()))
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         watch = DemoWatch()
         self._heard = watch.heard
@@ -78,7 +78,7 @@ class Demo:
 
         try:
             with Processes(self._out / "logs", os.environ) as children:
-                self._drive(children, spin)
+                self._drive(children, watch, spin)
             self.problem = self._touch()
         except ChildDiedError as error:
             self.problem = str(error)
@@ -112,7 +112,7 @@ class Demo:
         title = f"floornav demo: {self._world.description or self._world.name}"
         write_report(self._out, title, values, self.problem)
 
-    def _drive(self, children: Processes, spin: Callable[[], None]) -> None:
+    def _drive(self, children: Processes, watch: DemoWatch, spin: Callable[[], None]) -> None:
         # The simulator comes last, and its time begins when all others listen.
         text = "starting the nodes (the first time, grid_mapper compiles its kernels) ..."
         say(text, is_quiet=self._args.quiet)
@@ -121,9 +121,10 @@ class Demo:
                 children.start(name, command)
         for name in ("grid_mapper", "route_follower"):
             children.wait_for_line(name, "ready", _START_TIMEOUT_S, spin)
+        refuse_other_clock(watch, 0)
         children.start("sim_bridge", self._commands()["sim_bridge"])
         children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
-        self._watch(children, spin)
+        self._watch(children, watch, spin)
         end_ns = self._heard.truth[-1][0] if self._heard.truth else 0
         children.stop("route_follower")
         # The last map and the last scans are still under way.
@@ -132,7 +133,7 @@ class Demo:
             spin()
         self._heard.cut_off(end_ns)
 
-    def _watch(self, children: Processes, spin: Callable[[], None]) -> None:
+    def _watch(self, children: Processes, watch: DemoWatch, spin: Callable[[], None]) -> None:
         started = time.monotonic()
         heard, total = self._heard, self._args.duration
         time_moves, poses_come = Liveness("simulated time"), Liveness("grid_mapper's pose")
@@ -142,6 +143,7 @@ class Demo:
                 now = time.monotonic()
                 self._wall_s = now - started
                 children.check(may_end=("route_follower",))
+                refuse_other_clock(watch, 1)
                 time_moves.look(now, heard.sim_s)
                 poses_come.look(now, len(heard.estimate))
                 bar.update(self._percent(), _note(heard))

@@ -15,8 +15,9 @@ import numpy as np
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
+from _demo_domain import refuse_other_clock
 from _demo_report import write_overview
-from _processes import ChildDiedError, Processes, free_domain
+from _processes import ChildDiedError, Processes
 from _tour_drivers import Driver
 from _tour_report import write_images, write_page, write_plan
 from _tour_watch import TourWatch
@@ -55,7 +56,6 @@ class Tour:
 
     def run(self) -> None:
         """Start everything, drive, stop everything."""
-        os.environ.setdefault("ROS_DOMAIN_ID", str(free_domain()))
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         self._heard = watch = TourWatch(self._models, self._drivers)
         executor = make_executor()
@@ -145,6 +145,7 @@ class Tour:
             while watch.sim_s < total:
                 spin()
                 children.check()
+                refuse_other_clock(watch, 1)
                 now = time.monotonic()
                 if watch.sim_s > last_s:
                     last_s, moved = watch.sim_s, now

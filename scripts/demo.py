@@ -54,6 +54,11 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     has_window = _has_window(args)
+    from _demo_domain import join_domain
+
+    if obstacle := join_domain():
+        print(f"error: {obstacle}", file=sys.stderr)
+        return 1
     out = open_out_dir("demo", world.name, args.out)
     is_mapped = _is_mapped(world)
     values: dict[str, Any] = dict.fromkeys(_KEYS if is_mapped else _TOUR_KEYS)
