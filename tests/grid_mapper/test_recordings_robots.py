@@ -211,9 +211,23 @@ def test_scans_of_another_clock_are_one_clear_error_with_a_cure(tmp_path, offset
 
 def test_clocks_that_are_apart_but_overlap_are_pointed_out(tmp_path):
     recording, _ = read(tmp_path, scans_stamped(drive(100), lambda ns: ns - 5 * NS))
-    assert any("5.0 s behind odometry" in line for line in recording.info)
+    assert any("5.0 s behind the odometry" in line for line in recording.info)
     recording, _ = read(tmp_path / "same", drive(100))
     assert not any("behind" in line for line in recording.info)
+
+
+@pytest.mark.parametrize("speed", [0.2, 4.0, 30.0])
+def test_the_speed_of_the_recorders_clock_is_no_second_clock(tmp_path, speed):
+    messages = [(t, START_NS + round((ns - START_NS) / speed), m) for t, ns, m in drive(400)]
+    recording, _ = read(tmp_path, messages)
+    assert not any("clocks" in line for line in recording.info)
+
+
+def test_scans_recorded_in_a_burst_behind_their_odometry_are_no_second_clock(tmp_path):
+    messages = drive(100)
+    late = [(t, START_NS + 20 * NS + i, m) for i, (t, _, m) in enumerate(messages) if t == "/scan"]
+    recording, _ = read(tmp_path, [m for m in messages if m[0] != "/scan"] + late)
+    assert not any("clocks" in line for line in recording.info)
 
 
 def test_scans_stamped_zero_are_never_taken_as_newest(tmp_path):

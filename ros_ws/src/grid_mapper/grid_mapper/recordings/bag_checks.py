@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
+from floornav_common.transform3 import Transform3
 from floornav_common.transform_buffer import TransformBuffer, TransformUnavailable
 from grid_mapper.laser_mount import level_scan
 from grid_mapper.recordings.bag_frames import fixed_links, plain
@@ -13,7 +16,8 @@ from grid_mapper.recordings.scan_geometry import angle_note, scan_of
 
 NS = 1e-9
 OTHER_CLOCK_NS = 2_000_000_000
-"""Stamps of one clock reach the recorder within this; delays that differ by more are two clocks."""
+"""Messages of one clock are recorded so near to each other; farther all the time are two clocks."""
+NUM_LAGS_NEEDED = 5
 
 
 def check_scans(path: Path, topic: str, found: Survey, options: RecordingOptions) -> list[str]:
@@ -129,13 +133,25 @@ def check_clocks(
     cure = "--recorded-stamps takes the times of recording for both"
     if not scans.overlaps(odom):
         raise RecordingError(f"{path}: {text}: two clocks? {cure}, --no-odom maps without odometry")
-    apart_ns = scans.delay_ns - odom.delay_ns
-    if abs(apart_ns) > OTHER_CLOCK_NS:
+    lag_ns = _steady_lag_ns(scans, odom)
+    if abs(lag_ns) > OTHER_CLOCK_NS * max(1.0, scans.speed, odom.speed):
         return [
-            f"stamps: by the times of recording, scans are stamped {abs(apart_ns) * NS:.1f} s"
-            f" {'behind' if apart_ns > 0 else 'ahead of'} odometry: if these are two clocks, {cure}"
+            f"stamps: scans are stamped {abs(lag_ns) * NS:.1f} s"
+            f" {'behind' if lag_ns < 0 else 'ahead of'} the odometry recorded just before them: if"
+            f" these are two clocks, {cure}"
         ]
     return []
+
+
+def _steady_lag_ns(scans: Span, odom: Span) -> float:
+    """Return how far scans are from the odometry recorded before them; 0 if that varies.
+
+    The speed of the recorder's clock does not matter to it, as a simulator's or a replay's.
+    """
+    if len(odom.lags_ns) < NUM_LAGS_NEEDED or scans.num < NUM_LAGS_NEEDED:
+        return 0.0
+    low, middle, high = np.quantile(odom.lags_ns, (0.1, 0.5, 0.9))
+    return float(middle) if high - low < abs(middle) / 2.0 else 0.0
 
 
 def _odometry_span(

@@ -69,7 +69,7 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
     """
     scan_topic, scan_info = choose_scan_topic(bag, options)
     odom_topic, others = _odom_topic(bag, options) if options.use_odom else (None, "")
-    found = survey(bag, [t for t in (scan_topic, odom_topic, *options.sonar_topics) if t])
+    found = survey(bag, scan_topic, [t for t in (odom_topic, *options.sonar_topics) if t])
     scan_notes = check_scans(bag.path, scan_topic, found, options)
     scan_frame = plain(found.first[scan_topic].header.frame_id)
     odom = found.first.get(odom_topic) if odom_topic else None

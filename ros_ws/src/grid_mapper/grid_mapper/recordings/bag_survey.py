@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from statistics import median
 from typing import Any
 
 from floornav_common.transform_buffer import clean_frame
@@ -12,7 +11,7 @@ from grid_mapper.recordings.bag import Bag
 from grid_mapper.recordings.bag_messages import StampedTransform, stamp_ns_of, transforms_from
 from grid_mapper.recordings.bag_types import OLD_TF_TYPE, TF_TYPE
 
-NUM_DELAYS = 101
+NUM_LAGS = 1001
 SAME_TRANSFORM = 1e-6
 """Numbers (m, quaternion) that differ by less are the same: drivers compute them anew each time."""
 
@@ -26,30 +25,43 @@ class Span:
         newest_ns: Last in time.
         num: How many were not zero.
         num_zero: How many were zero: never set by the driver.
-        delays_ns: Recorded time minus stamp of the first ones.
+        latest_ns: Last as recorded.
+        recorded_from_ns: When the first was recorded.
+        recorded_to_ns: When the last was recorded.
+        lags_ns: Stamps of the first scans recorded after it minus the latest stamp by then.
     """
 
     oldest_ns: int = 2**63 - 1
     newest_ns: int = -(2**63)
     num: int = 0
     num_zero: int = 0
-    delays_ns: list[int] = field(default_factory=list)
+    latest_ns: int = 0
+    recorded_from_ns: int = 0
+    recorded_to_ns: int = 0
+    lags_ns: list[int] = field(default_factory=list)
 
     def add(self, stamp_ns: int, recorded_ns: int) -> None:
         """Take one stamp."""
         if stamp_ns == 0:
             self.num_zero += 1
             return
+        if self.num == 0:
+            self.recorded_from_ns = recorded_ns
         self.num += 1
         self.oldest_ns = min(self.oldest_ns, stamp_ns)
         self.newest_ns = max(self.newest_ns, stamp_ns)
-        if len(self.delays_ns) < NUM_DELAYS:
-            self.delays_ns.append(recorded_ns - stamp_ns)
+        self.latest_ns, self.recorded_to_ns = stamp_ns, recorded_ns
+
+    def note_scan(self, stamp_ns: int) -> None:
+        """Note how far the stamp of a scan is from the latest one recorded before it."""
+        if self.num > 0 and stamp_ns != 0 and len(self.lags_ns) < NUM_LAGS:
+            self.lags_ns.append(stamp_ns - self.latest_ns)
 
     @property
-    def delay_ns(self) -> float:
-        """Median of recorded time minus stamp, ns."""
-        return median(self.delays_ns) if self.delays_ns else 0.0
+    def speed(self) -> float:
+        """How fast stamps run by the recorder's clock: 4 if replayed at four times the speed."""
+        recorded_ns = self.recorded_to_ns - self.recorded_from_ns
+        return (self.newest_ns - self.oldest_ns) / recorded_ns if recorded_ns > 0 else 1.0
 
     def overlaps(self, other: Span) -> bool:
         """Tell whether two sources share any time."""
@@ -145,6 +157,14 @@ class Survey:
     first: dict[str, Any] = field(default_factory=dict)
     spans: dict[str, Span] = field(default_factory=dict)
 
+    def note_scan(self, scan_topic: str, stamp_ns: int) -> None:
+        """Tell all other sources of the stamp of a scan."""
+        for link in self.tree.links.values():
+            link.span.note_scan(stamp_ns)
+        for topic, span in self.spans.items():
+            if topic != scan_topic:
+                span.note_scan(stamp_ns)
+
 
 def is_static_topic(name: str) -> bool:
     """Tell whether transforms of a topic hold at any time."""
@@ -156,20 +176,23 @@ def tf_topics(bag: Bag) -> tuple[str, ...]:
     return tuple(t.name for t in bag.topics.values() if t.msgtype in (TF_TYPE, OLD_TF_TYPE))
 
 
-def survey(bag: Bag, topics: Iterable[str]) -> Survey:
+def survey(bag: Bag, scan_topic: str, others: Iterable[str]) -> Survey:
     """Go over a bag's transforms and some of its stamped topics.
 
     Args:
         bag: The bag.
-        topics: Names of topics whose messages have a header.
+        scan_topic: Name of the topic of its scans.
+        others: Names of other topics whose messages have a header.
     """
-    found = Survey(spans={name: Span() for name in topics})
+    found = Survey(spans={name: Span() for name in (scan_topic, *others)})
     transforms = tf_topics(bag)
     for topic, recorded_ns, content in _contents(bag, {*transforms, *found.spans}):
         if len(getattr(content, "ranges", "any")) > 0:
             found.first.setdefault(topic, content)
         if topic in found.spans:
             found.spans[topic].add(stamp_ns_of(content), recorded_ns)
+            if topic == scan_topic:
+                found.note_scan(scan_topic, stamp_ns_of(content))
             continue
         for transform in transforms_from(content):
             found.tree.add(transform, recorded_ns, is_static_topic(topic))
