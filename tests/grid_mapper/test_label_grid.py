@@ -163,19 +163,19 @@ def test_a_room_is_free_inside_and_walled():
 def test_wide_sectors_at_long_range_label_their_cells_and_no_others(width, yaw):
     """The origin lies near a tile's corner, so that the edges run through tiles of their own."""
     far = 28.0
-    grid = LabelGrid(LabelGridConfig(beam_angle_rad=width), 0.1)
+    grid = LabelGrid(LabelGridConfig(beam_angle_rad=width), RESOLUTION)
     pose = SE2(0.03, -0.04, yaw)
     grid.add_scan(Scan(np.array([far]), 0.0, 0.01, 0.1, 80.0), pose)
     labels, corner = grid._grid.dense("labels")
-    rows, cols = np.mgrid[-300:300, -300:300]
-    dx, dy = (cols + 0.5) * 0.1 - pose.x, (rows + 0.5) * 0.1 - pose.y
+    rows, cols = np.mgrid[-600:600, -600:600]
+    dx, dy = (cols + 0.5) * RESOLUTION - pose.x, (rows + 0.5) * RESOLUTION - pose.y
     distance = np.hypot(dx, dy)
     off = np.abs((np.arctan2(dy, dx) - yaw + np.pi) % (2.0 * np.pi) - np.pi)
     inside = (off <= 0.5 * width) & (distance <= far + 0.05)
     expected = np.where(inside, np.where(distance >= far - 0.05, 2, 1), 0)
     found = np.zeros_like(expected)
     r, c = np.nonzero(labels)
-    found[r + corner[0] + 300, c + corner[1] + 300] = labels[r, c]
+    found[r + corner[0] + 600, c + corner[1] + 600] = labels[r, c]
     # a centre on an edge may fall to either side by rounding
     on_edge = np.abs(np.abs(distance - far) - 0.05) < 1e-9
     on_edge |= np.abs(off - 0.5 * width) < 1e-9
