@@ -186,13 +186,13 @@ def test_odometry_that_was_set_anew_is_no_motion():
     assert truth[-1].between(result.T_map_base).distance < 0.03
 
 
-def test_a_bare_corridor_without_odometry_is_refused_and_says_so():
+def test_a_bare_corridor_without_odometry_is_refused_before_long_and_says_so():
     walls = np.array([[-60.0, -1.2, 60.0, -1.2], [-60.0, 1.2, 60.0, 1.2]])
-    mapper, rng, refused = GridMapper(GridMapperConfig()), np.random.default_rng(0), []
+    mapper, rng, reasons = GridMapper(GridMapperConfig()), np.random.default_rng(0), []
     for k in range(60):
         pose = SE2(0.1 * k, 0.0, 0.0)
         scan = scan_at(pose, walls, rng=rng, range_max=12.0)
         result = mapper.insert_scan(k * HALF_SECOND_NS, scan, SE2.identity(), None)
-        refused.append(result.reason)
-    assert sum("does not say where along" in reason for reason in refused) > 50
+        reasons.append(result.reason)
+    assert all("does not say where along" in reason for reason in reasons[10:])
     assert result.cov[0, 0] > 1.0

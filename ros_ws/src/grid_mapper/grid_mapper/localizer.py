@@ -193,7 +193,7 @@ class ScanLocalizer:
         T_pred, near = last.T_map_base @ moved, last.cov_near + cov_moved
         match = self._matcher.match(points, T_pred, near)
         cov = last.cov + cov_moved
-        reason = self._objection(match, len(points), T_pred, near)
+        reason = self._objection(match, len(points), T_pred, near) or self._blind(match, cov)
         if reason:
             return ScanResult(T_pred, cov, False, reason, match.overlap), near
         cov = np.linalg.inv(np.linalg.inv(cov) + match.information)
@@ -240,8 +240,17 @@ class ScanLocalizer:
             return f"a match of few points is {sigmas:.1f} deviations from the prediction"
         if is_vague and not self._is_found(match):
             return f"lost, and {100 * match.overlap:.0f} % of the scan fits the map"
-        has_odometry = self._last is not None and self._last.T_odom_base is not None
-        return "" if has_odometry else self._undetermined(match)
+        return ""
+
+    def _blind(self, match: MatchResult, cov: np.ndarray) -> str:
+        """Return why a match is refused that leaves a direction nobody has measured for long."""
+        note = self._undetermined(match)
+        if not note or (self._last is not None and self._last.T_odom_base is not None):
+            return ""
+        _, bearing = match.weak_direction
+        u = np.array([np.cos(bearing), np.sin(bearing)])
+        sigma = float(np.sqrt(u @ cov[:2, :2] @ u))
+        return note if sigma > self.config.vague_sigma_m else ""
 
     def _undetermined(self, match: MatchResult) -> str:
         """Return the direction a match says nothing of, in words; "" if it says where."""
