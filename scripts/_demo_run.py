@@ -25,6 +25,7 @@ from _demo_report import (
 )
 from _demo_watch import DemoWatch, Heard
 from _processes import ChildDiedError, Processes
+from _saying import saying
 from floornav_common.reporting import Progress, say
 from floornav_common.ros.main import make_executor
 from sim_bridge.robot_model import load_robot
@@ -114,17 +115,24 @@ class Demo:
 
     def _drive(self, children: Processes, watch: DemoWatch, spin: Callable[[], None]) -> None:
         # The simulator comes last, and its time begins when all others listen.
+        is_quiet = self._args.quiet
         text = "starting the nodes (the first time, grid_mapper compiles its kernels) ..."
-        say(text, is_quiet=self._args.quiet)
+        say(text, is_quiet=is_quiet)
         for name, command in self._commands().items():
             if name != "sim_bridge":
                 children.start(name, command)
-        for name in ("grid_mapper", "route_follower"):
-            children.wait_for_line(name, "ready", _START_TIMEOUT_S, spin)
+        for name, doing in (
+            ("grid_mapper", "compiling its kernels"),
+            ("route_follower", "starting"),
+        ):
+            with saying(f"waiting for {name}: {doing} ...", is_quiet=is_quiet):
+                children.wait_for_line(name, "ready", _START_TIMEOUT_S, spin)
         refuse_other_clock(watch, 0)
         children.start("sim_bridge", self._commands()["sim_bridge"])
-        children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
+        with saying("waiting for sim_bridge: loading the world ...", is_quiet=is_quiet):
+            children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
         self._watch(children, watch, spin)
+        say("stopping the nodes ...", is_quiet=is_quiet)
         end_ns = self._heard.truth[-1][0] if self._heard.truth else 0
         children.stop("route_follower")
         # The last map and the last scans are still under way.

@@ -18,6 +18,7 @@ from rclpy.signals import SignalHandlerOptions
 from _demo_domain import refuse_other_clock
 from _demo_report import write_overview
 from _processes import ChildDiedError, Processes
+from _saying import saying
 from _tour_drivers import Driver
 from _tour_report import write_images, write_page, write_plan
 from _tour_watch import TourWatch
@@ -70,6 +71,7 @@ class Tour:
             with Processes(self._out / "logs", os.environ) as children:
                 self._start(children, spin)
                 self._watch(children, watch, spin)
+                say("stopping the nodes ...", is_quiet=self._args.quiet)
             self.problem = ""
         except ChildDiedError as error:
             self.problem = str(error)
@@ -135,7 +137,9 @@ class Tour:
         say("starting the nodes ...", is_quiet=self._args.quiet)
         for name, command in self._commands().items():
             children.start(name, command)
-        children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
+        text = "waiting for sim_bridge: loading the world ..."
+        with saying(text, is_quiet=self._args.quiet):
+            children.wait_for_line("sim_bridge", "ready", _START_TIMEOUT_S, spin)
 
     def _watch(self, children: Processes, watch: TourWatch, spin: Callable[[], None]) -> None:
         total = self._args.duration or DEFAULT_S

@@ -20,6 +20,7 @@ from _environment import ensure_environment
 if __name__ == "__main__":
     ensure_environment(needs="node")
 
+from _saying import saying
 from floornav_common.reporting import (
     UserError,
     add_common_options,
@@ -68,9 +69,10 @@ def main() -> int:
         try:
             demo.run()
         finally:
-            filled.update(demo.results())
-            filled.update(ok=not demo.problem, partial=bool(demo.problem))
-            demo.write(filled)
+            with saying("drawing the report ...", is_quiet=args.quiet):
+                filled.update(demo.results())
+                filled.update(ok=not demo.problem, partial=bool(demo.problem))
+                demo.write(filled)
     _print_result(out, filled, demo.problem, is_quiet=args.quiet)
     return 1 if demo.problem else 0
 
