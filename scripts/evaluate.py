@@ -33,6 +33,8 @@ def main(argv: list[str] | None = None) -> int:
     """Run one experiment."""
     args = _parser().parse_args(argv)
     module = _module(args.experiment)
+    if hasattr(module, "check"):
+        module.check(args)  # bad input leaves no folder behind
     args.out_dir = open_out_dir("evaluate", args.experiment, args.out)
     with summary(args.out_dir, command="evaluate", seed=args.seed, values={}) as values:
         values["experiment"] = args.experiment

@@ -17,15 +17,16 @@ from typing import Any
 import numpy as np
 
 from _processes import Processes, free_domain
+from _saying import saying
 from floornav_common.grid import OCCUPIED, UNKNOWN, OccupancyMap
-from floornav_common.reporting import Progress, Section, Table, UserError
+from floornav_common.reporting import Section, Table, UserError
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.map_files import load_map
 from grid_mapper.mapper import GridMapper
 from grid_mapper.recordings import open_recording
 from grid_mapper.recordings.bag import Bag
 from grid_mapper.recordings.bag_choice import choose_scan_topic
-from grid_mapper.recordings.events import RecordingOptions, ScanEvent
+from grid_mapper.recordings.events import RecordingError, RecordingOptions, ScanEvent
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 
@@ -36,20 +37,37 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rate", type=float, default=1.0, metavar="R", help="speed (1)")
 
 
-def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
-    """Map every bag both ways; fills `values["bags"]`."""
-    values["bags"] = {}
+def check(args: argparse.Namespace) -> None:
+    """Look at the input before anything is made.
+
+    Raises:
+        UserError: If a bag is missing, cannot be read or has no scans, two have one name, or the
+            speed is not positive.
+    """
+    if not 0.0 < args.rate < float("inf"):
+        raise UserError(f"--rate must be > 0, got {args.rate}")
     missing = [str(bag) for bag in args.bag if not bag.exists()]
     if missing:
         raise UserError(f"no such recording: {', '.join(missing)}")
-    with Progress("live-mapping", len(args.bag), is_quiet=args.quiet) as progress:
-        for number, bag in enumerate(args.bag):
-            progress.update(number, f"{bag.name}: offline")
+    if len({bag.stem for bag in args.bag}) < len(args.bag):
+        raise UserError("two recordings have the same name, and results are named after them")
+    try:
+        for bag in args.bag:
+            _scan_topic(bag)
+    except RecordingError as error:
+        raise UserError(str(error)) from error
+
+
+def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
+    """Map every bag both ways; fills `values["bags"]`."""
+    values["bags"] = {}
+    for number, bag in enumerate(args.bag, start=1):
+        name = f"{bag.name} ({number} of {len(args.bag)})"
+        with saying(f"{name}: mapping offline ...", is_quiet=args.quiet):
             offline = _offline(bag)
-            progress.update(number, f"{bag.name}: live")
-            folder = args.out_dir / bag.stem
-            live = _live(bag, _scan_topic(bag), args.rate, folder)
-            values["bags"][bag.stem] = _compare(offline, live)
+        with saying(f"{name}: mapping live, x {args.rate:g} ...", is_quiet=args.quiet):
+            live = _live(bag, _scan_topic(bag), args.rate, args.out_dir / bag.stem)
+        values["bags"][bag.stem] = _compare(offline, live)
     keys = ("scans", "received", "used", "used_share", "dropped", "same_share", "occupied_same")
     rows = [[name, *(_cell(f[k]) for k in keys)] for name, f in values["bags"].items()]
     return [Section("Live beside offline", [__doc__ or "", Table(["bag", *keys], rows)])]
