@@ -111,12 +111,53 @@ def test_any_path_will_do(tmp_path, monkeypatch, storage, name):
 
 def test_a_folder_of_bags_or_logs_names_them(tmp_path):
     write_bag(tmp_path / "monday", drive(5))
-    with pytest.raises(RecordingError, match="name one of the bags in it: monday"):
+    write_bag(tmp_path / "week" / "tuesday", drive(5))
+    write_ros1_bag(tmp_path / "week" / "odom.bag", drive(1))
+    (tmp_path / "no_bag").mkdir()
+    names = "monday, week, week/tuesday"
+    with pytest.raises(RecordingError, match=f"name one of the bags in it: {names}$"):
         read(tmp_path)
     (tmp_path / "logs").mkdir()
     (tmp_path / "logs" / "a.log").write_text("FLASER\n")
     with pytest.raises(RecordingError, match=r"name a file if it is a log: a\.log"):
         read(tmp_path / "logs")
+
+
+def ros1_parts(folder, *names):
+    """Write one drive to several files, five scans each."""
+    folder.mkdir()
+    for i, name in enumerate(names):
+        write_ros1_bag(folder / name, drive(5, START_NS + i * NS // 2))
+    return folder
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("a_0.bag", "a_1.bag"), ("a_0.bag", "a_1.bag", "a_2.bag"),
+     ("2024-05-01-10-00-00_0.bag", "2024-05-01-10-05-00_1.bag"),
+     ("r_2024-05-01-10-00-00_9.bag", "r_2024-05-01-10-05-00_10.bag")],
+)  # fmt: skip
+def test_numbered_files_of_one_name_are_one_recording(tmp_path, names):
+    _, events = read(ros1_parts(tmp_path / "bag", *names))
+    assert len(events) == 5 * len(names)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("odom.bag", "scan.bag"), ("a_0.bag", "b_1.bag"), ("a_0.bag", "a_2.bag"),
+     ("run_1.bag", "run_2.bag"),
+     ("2024-05-01-10-00-00.bag", "2024-05-01-10-05-00.bag")],
+)  # fmt: skip
+def test_a_folder_of_separate_files_is_not_joined(tmp_path, names):
+    with pytest.raises(RecordingError, match=f"several bags: name one.*: {', '.join(names)}$"):
+        read(ros1_parts(tmp_path / "bag", *names))
+
+
+def test_of_several_files_those_that_metadata_lists_are_the_bag(tmp_path):
+    bag = write_bag(tmp_path / "bag", drive(5))
+    shutil.copyfile(storage_file(bag), bag / "copy.db3")
+    recording, events = read(bag)
+    assert len(events) == 5 and recording.problem is None
 
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])

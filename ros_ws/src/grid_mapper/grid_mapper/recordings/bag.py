@@ -13,12 +13,8 @@ from rosbags.interfaces import Qos
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.storage_mcap import McapReader
 
-from grid_mapper.recordings.bag_files import (
-    METADATA_NAME,
-    storage_files,
-    unpacked_message,
-)
-from grid_mapper.recordings.bag_metadata import metadata_files, metadata_qos
+from grid_mapper.recordings.bag_files import storage_files, unpacked_message
+from grid_mapper.recordings.bag_metadata import METADATA_NAME, metadata_files, metadata_qos
 from grid_mapper.recordings.bag_salvage import SalvageReader, salvage_reader
 from grid_mapper.recordings.bag_storage import (
     STORAGE_ERRORS,

@@ -1,11 +1,13 @@
 """The storage files of a bag, whatever their names, compression and state.
 
 `metadata.yaml` is not needed: topics, types, QoS and counts are read from the files themselves.
-It is read only for QoS profiles that the files of old bags do not hold.
+It is read only for QoS profiles that the files of old bags do not hold, and for which of several
+files are one bag.
 """
 
 from __future__ import annotations
 
+import os
 import shutil
 import sqlite3
 import sys
@@ -14,6 +16,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from grid_mapper.recordings.bag_metadata import METADATA_NAME
+from grid_mapper.recordings.bag_parts import parts_of_one_bag
 from grid_mapper.recordings.events import RecordingError
 
 if sys.version_info >= (3, 14):
@@ -27,8 +31,9 @@ ROS1_MAGIC = b"#ROSBAG V"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 STORAGE_MAGICS = (SQLITE_MAGIC, MCAP_MAGIC, ROS1_MAGIC)
 STORAGE_ENDINGS = (".db3", ".mcap", ".bag", ".db3.zstd", ".mcap.zstd")
-METADATA_NAME = "metadata.yaml"
 NUM_NAMED = 5
+NUM_BAGS_NAMED = 10
+NUM_LEVELS = 2
 
 
 def is_bag(path: Path) -> bool:
@@ -56,7 +61,7 @@ def storage_files(path: Path, stack: ExitStack, note: Callable[[str], None]) -> 
         note: Told of files that hold nothing.
 
     Raises:
-        RecordingError: If there is none.
+        RecordingError: If there is none, or the folder holds several bags.
     """
     found = sorted(path.iterdir()) if path.is_dir() else [path]
     named = [f for f in found if f.is_file() and f.name.endswith(STORAGE_ENDINGS)]
@@ -65,16 +70,38 @@ def storage_files(path: Path, stack: ExitStack, note: Callable[[str], None]) -> 
     files = [f for f in found if _is_storage(f)]
     if not files:
         raise RecordingError(_nothing_in(path, found))
-    return [_readable(f, stack) for f in files]
+    parts = parts_of_one_bag(path, files)
+    if not parts:
+        names = _listed([f.name for f in files])
+        raise RecordingError(f"{path} holds several bags: name one of the files in it: {names}")
+    return [_readable(f, stack) for f in parts]
 
 
 def _nothing_in(path: Path, found: list[Path]) -> str:
     text = f"{path} holds no recording: no sqlite3, mcap or ROS 1 bag file with anything in it"
-    inside = [f for f in found if f.is_dir() and any(map(_is_storage, f.iterdir()))]
+    inside = [str(f.relative_to(path)) for f in _bags_below(path, NUM_LEVELS)]
     if inside:
-        return f"{text}; name one of the bags in it: {', '.join(f.name for f in inside)}"
+        return f"{text}; name one of the bags in it: {_listed(inside)}"
     logs = [f.name for f in found if f.is_file() and f.name != METADATA_NAME]
     return f"{text}; name a file if it is a log: {', '.join(logs[:NUM_NAMED])}" if logs else text
+
+
+def _bags_below(folder: Path, num_levels: int) -> list[Path]:
+    """Return the bags in the folders of a folder: folders that are one, and files on their own."""
+    bags: list[Path] = []
+    for inner in sorted(f for f in folder.iterdir() if f.is_dir() and os.access(f, os.R_OK)):
+        files = [f for f in sorted(inner.iterdir()) if f.name.endswith(STORAGE_ENDINGS)]
+        files = [f for f in files if _is_storage(f)]
+        if files:
+            bags.extend([inner] if parts_of_one_bag(inner, files) else files)
+        if num_levels > 1:
+            bags.extend(_bags_below(inner, num_levels - 1))
+    return bags
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - NUM_BAGS_NAMED} more" if len(names) > NUM_BAGS_NAMED else ""
+    return ", ".join(names[:NUM_BAGS_NAMED]) + more
 
 
 def _readable(path: Path, stack: ExitStack) -> Path:

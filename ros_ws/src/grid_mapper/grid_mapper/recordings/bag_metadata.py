@@ -10,8 +10,7 @@ from rosbags.interfaces import Qos
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import parse_qos
 
-from grid_mapper.recordings.bag_files import METADATA_NAME
-
+METADATA_NAME = "metadata.yaml"
 UNREADABLE = (OSError, UnicodeDecodeError, yaml.YAMLError)
 
 
