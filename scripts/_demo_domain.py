@@ -12,7 +12,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from _processes import ChildDiedError, free_domain
 
-_LOOK_S = 2.0
+_LOOK_S = 5.0  # discovery takes 0.1 s, now and then 3 s
 _NAME_S = 1.0
 _NAMELESS = "_NODE_NAME_UNKNOWN_"
 _CURE = "unset ROS_DOMAIN_ID and the demo takes a free domain"
