@@ -105,6 +105,19 @@ def test_relations_and_ground_truth_are_measured(tmp_path, capsys):
     assert "relations: 1 of 2 matched" in capsys.readouterr().out
 
 
+def test_relations_and_ground_truth_of_another_time_are_errors(tmp_path, capsys):
+    relations, truth = tmp_path / "relations", tmp_path / "truth.tum"
+    relations.write_text("7.0 8.0 1 0 0 0 0 0\n")
+    truth.write_text(format_tum([(i * NS, SE2(0.0, 0.0, 0.0)) for i in range(5)]))
+    bag, out = room_bag(tmp_path / "room"), tmp_path / "out"
+    assert run(bag, "--relations", relations, "--gt", truth, "--out", out) == 1
+    error, summary = capsys.readouterr().err, summary_of(out)
+    assert "relations: none of 1 matched: they are of 7.000 to 8.000 s" in error
+    assert "; ground truth: " in error and "marked partial" not in error
+    assert (summary["ok"], summary["partial"], summary["relations_used"]) == (False, False, 0)
+    assert {f.name for f in out.iterdir()} == RESULT_FILES
+
+
 def test_max_scans_and_a_folder_that_exists(tmp_path, capsys):
     bag = room_bag(tmp_path / "room")
     for _ in range(2):

@@ -61,7 +61,8 @@ def main(argv: list[str] | None = None) -> int:
     say(text, is_quiet=args.quiet)
     say(f"results: {out}", is_quiet=args.quiet)
     if summary["problem"] is not None:
-        print(f"error: {summary['problem']}; the results are marked partial", file=sys.stderr)
+        state = "; the results are marked partial" if summary["partial"] else ""
+        print(f"error: {summary['problem']}{state}", file=sys.stderr)
     if run.is_interrupted:
         print("stopped; results so far are marked partial", file=sys.stderr)
     return 0 if summary["ok"] else 1

@@ -107,8 +107,28 @@ def _compare(inputs: MapInputs, run: MapRun, summary: dict[str, Any]) -> None:
             inputs.relations_offset_ns,
         )
         summary.update(relation_figures(errors))
+        if len(errors.translations) == 0:
+            _fail(summary, _no_relation_matched(inputs, run, errors.num_total))
     if inputs.truth is not None:
-        summary.update(_truth_figures(run, inputs.truth))
+        _compare_truth(run, inputs.truth, summary)
+
+
+def _fail(summary: dict[str, Any], problem: str) -> None:
+    """Note a problem of what a run was compared with, behind those of the run itself."""
+    known = summary["problem"]
+    summary.update(ok=False, problem=problem if known is None else f"{known}; {problem}")
+
+
+def _no_relation_matched(inputs: MapInputs, run: MapRun, num_total: int) -> str:
+    text = f"relations: none of {num_total} matched"
+    given = [ns for r in inputs.relations or () for ns in (r.stamp1_ns, r.stamp2_ns)]
+    poses = [stamp_ns + inputs.relations_offset_ns for stamp_ns, _ in run.trajectory]
+    if given and poses:
+        text += (
+            f": they are of {min(given) * 1e-9:.3f} to {max(given) * 1e-9:.3f} s, the trajectory of"
+            f" {min(poses) * 1e-9:.3f} to {max(poses) * 1e-9:.3f} s"
+        )
+    return f"{text} (--relations-tol, --relations-offset)"
 
 
 def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, Any]:
@@ -160,12 +180,14 @@ def relation_figures(errors: RelationErrors) -> dict[str, Any]:
     }
 
 
-def _truth_figures(run: MapRun, truth: Trajectory) -> dict[str, Any]:
+def _compare_truth(run: MapRun, truth: Trajectory, summary: dict[str, Any]) -> None:
     try:
         errors = trajectory_errors(run.trajectory, truth)
     except ValueError as error:
-        return {"gt_poses": 0, "ok": False, "problem": f"ground truth: {error}"}
-    return {"ate_m": errors.ate, "rpe_m": errors.rpe, "gt_poses": errors.num_compared}
+        summary["gt_poses"] = 0
+        _fail(summary, f"ground truth: {error}")
+        return
+    summary.update(ate_m=errors.ate, rpe_m=errors.rpe, gt_poses=errors.num_compared)
 
 
 def screen_text(summary: dict[str, Any]) -> str:
@@ -236,5 +258,6 @@ def _sections(out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun
         ]
         sections.append(Section("First scans not trusted", [Table(["stamp, s", "why"], rows)]))
     if summary["problem"]:
-        sections.append(Section("Partial", [str(summary["problem"])]))
+        title = "Partial" if summary["partial"] else "Problem"
+        sections.append(Section(title, [str(summary["problem"])]))
     return sections
