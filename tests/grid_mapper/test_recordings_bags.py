@@ -140,6 +140,12 @@ def test_without_a_laser_transform_the_user_must_say_where_it_is(tmp_path):
     assert [e.T_base_laser for e in events] == [SE2(0.3, 0.0, 0.1)] * 3
 
 
+def test_a_bag_without_laser_transform_and_odometry_says_both_at_once(tmp_path):
+    path = write_bag(tmp_path / "bag", [m for m in drive(3, has_static=False) if m[0] == "/scan"])
+    with pytest.raises(RecordingError, match="--laser-pose X Y YAW.*; and .*--no-odom"):
+        read(path)
+
+
 def test_a_laser_pose_that_overrides_tf_says_what_tf_has(tmp_path):
     path = write_bag(tmp_path / "bag", drive(3))
     recording, events = read(path, laser_pose=SE2(0.3, 0.0, 0.1))

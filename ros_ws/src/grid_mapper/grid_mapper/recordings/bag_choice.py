@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,9 +76,11 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
     odom = found.first.get(odom_topic) if odom_topic else None
     described = _add_description(bag, found.tree, scan_frame, odom, options)
     base = base_frame(found.tree, scan_frame, odom, options)
-    laser = laser_info(bag.path, found, scan_topic, base.name, described, options)
     frame = _tf_odometry(found, base.name, odom, options)
-    odom_info = _odom_info(bag, found.tree, odom, odom_topic, frame, base.name, options)
+    laser, odom_info = _all_or_errors(
+        lambda: laser_info(bag.path, found, scan_topic, base.name, described, options),
+        lambda: _odom_info(bag, found.tree, odom, odom_topic, frame, base.name, options),
+    )
     if frame is not None:
         odom_topic = None
     child = (
@@ -91,6 +94,23 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
         scan_topic, options.sonar_topics, odom_topic, child or base.name, tf_topics(bag),
         base.name, frame, found.tree, fixed_links(found.tree, base.name), info,
     )  # fmt: skip
+
+
+def _all_or_errors(*infos: Callable[[], str]) -> list[str]:
+    """Return what each says.
+
+    Raises:
+        RecordingError: With the errors of all, so that one more try is enough.
+    """
+    texts, errors = [], []
+    for info in infos:
+        try:
+            texts.append(info())
+        except RecordingError as error:
+            errors.append(str(error))
+    if errors:
+        raise RecordingError("; and ".join(errors))
+    return texts
 
 
 def choose_scan_topic(bag: Bag, options: RecordingOptions) -> tuple[str, str]:
