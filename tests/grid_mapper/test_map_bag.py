@@ -18,9 +18,11 @@ from recording_builders import (
     write_bag,
 )
 
+from floornav_common.grid import OccupancyMap
 from floornav_common.reporting import UserError, run_command
 from floornav_common.se2 import SE2
 from grid_mapper.map_bag import main
+from grid_mapper.map_pictures import _bounds, draw_map
 from grid_mapper.map_results import SUMMARY_KEYS
 from grid_mapper.trajectory_metrics import format_tum, load_tum
 
@@ -116,6 +118,15 @@ def test_relations_and_ground_truth_of_another_time_are_errors(tmp_path, capsys)
     assert "; ground truth: " in error and "marked partial" not in error
     assert (summary["ok"], summary["partial"], summary["relations_used"]) == (False, False, 0)
     assert {f.name for f in out.iterdir()} == RESULT_FILES
+
+
+@pytest.mark.parametrize("shape", [(1, 400), (400, 1), (50, 50)])
+def test_the_picture_is_wide_enough_for_its_legend_whatever_the_map(shape):
+    occupancy = OccupancyMap(np.zeros(shape, np.int8), 0.05, SE2(0.0, 0.0, 0.0))
+    left, bottom, right, top = _bounds(occupancy, [])
+    assert 0.3 - 1e-9 <= (top - bottom) / (right - left) <= 1.6 + 1e-9
+    png = draw_map(occupancy, [(0, SE2(0.0, 0.0, 0.0))], "folder/name")
+    assert int.from_bytes(png[16:20], "big") == 1500
 
 
 def test_max_scans_and_a_folder_that_exists(tmp_path, capsys):

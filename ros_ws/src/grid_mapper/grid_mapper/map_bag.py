@@ -157,6 +157,7 @@ def _inputs(args: argparse.Namespace) -> MapInputs:
     """Read the files to compare with before anything is mapped, so that a bad one costs nothing."""
     return MapInputs(
         name=_name(args.recording),
+        title="/".join(args.recording.resolve().parts[-2:]),
         relations=None if args.relations is None else load_relations(args.relations),
         relations_tolerance_ns=round(args.relations_tol * 1e9),
         relations_offset_ns=round(args.relations_offset * 1e9),

@@ -12,7 +12,9 @@ from floornav_common.grid import FREE, UNKNOWN, OccupancyMap
 from floornav_common.se2 import SE2
 
 MARGIN_M = 1.0
-WIDTH_INCH = 10.0
+WIDTH_INCH, TITLE_INCH, LEGEND_INCH = 10.0, 0.4, 0.4
+MIN_ASPECT, MAX_ASPECT = 0.3, 1.6
+"""Of height to width; a longer or thinner map gets more of what is unknown around it."""
 DPI = 150
 SHADE_UNKNOWN, SHADE_FREE, SHADE_OCCUPIED = 0.82, 1.0, 0.05
 ROUND_LENGTHS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
@@ -25,9 +27,10 @@ def draw_map(occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], tit
     from matplotlib.transforms import Affine2D
 
     left, bottom, right, top = _bounds(occupancy, trajectory)
-    aspect = min(max((top - bottom) / (right - left), 0.3), 1.6)
-    figure = Figure(figsize=(WIDTH_INCH, WIDTH_INCH * aspect + 0.6), dpi=DPI)
-    axes = figure.add_axes((0.01, 0.01, 0.98, 0.93))
+    map_inch = WIDTH_INCH * (top - bottom) / (right - left)
+    height_inch = TITLE_INCH + map_inch + LEGEND_INCH
+    figure = Figure(figsize=(WIDTH_INCH, height_inch), dpi=DPI)
+    axes = figure.add_axes((0.01, LEGEND_INCH / height_inch, 0.98, map_inch / height_inch))
     rows, columns = occupancy.cells.shape
     size = (0.0, columns * occupancy.resolution, 0.0, rows * occupancy.resolution)
     origin = occupancy.origin
@@ -44,7 +47,10 @@ def draw_map(occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], tit
     axes.set_xticks([])
     axes.set_yticks([])
     _draw_scale(axes, left, bottom, right - left, top - bottom)
-    figure.suptitle(title, fontsize=11)
+    _draw_legend(figure, axes)
+    figure.text(
+        0.5, 1.0 - 0.5 * TITLE_INCH / height_inch, title, fontsize=11, ha="center", va="center"
+    )
     out = BytesIO()
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
     return out.getvalue()
@@ -61,7 +67,7 @@ def _shades(occupancy: OccupancyMap) -> np.ndarray:
 def _bounds(
     occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]]
 ) -> tuple[float, float, float, float]:
-    """Return left, bottom, right and top of what is known, with a margin, m."""
+    """Return left, bottom, right and top of the picture: what is known, with a margin, m."""
     known = np.argwhere(occupancy.cells != UNKNOWN)
     points = [occupancy.to_points(known)] if len(known) else []
     if trajectory:
@@ -70,17 +76,35 @@ def _bounds(
         return (-MARGIN_M, -MARGIN_M, MARGIN_M, MARGIN_M)
     low = np.min([p.min(axis=0) for p in points], axis=0) - MARGIN_M
     high = np.max([p.max(axis=0) for p in points], axis=0) + MARGIN_M
-    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+    middle, size = (low + high) / 2.0, high - low
+    width = max(size[0], size[1] / MAX_ASPECT)
+    half = np.array([width, max(size[1], width * MIN_ASPECT)]) / 2.0
+    (left, bottom), (right, top) = middle - half, middle + half
+    return float(left), float(bottom), float(right), float(top)
 
 
 def _draw_way(axes: Any, trajectory: Sequence[tuple[int, SE2]]) -> None:
     if not trajectory:
         return
     way = np.array([[pose.x, pose.y] for _, pose in trajectory])
-    axes.plot(way[:, 0], way[:, 1], color="#1f6fd1", linewidth=1.0, alpha=0.9)
+    axes.plot(way[:, 0], way[:, 1], color="#1f6fd1", linewidth=1.0, alpha=0.9, label="robot's path")
     for point, color, label in ((way[0], "#1a7f4b", "start"), (way[-1], "#b3261e", "end")):
         axes.plot(*point, "o", color=color, markersize=5, label=label)
-    axes.legend(loc="upper right", fontsize=8)
+
+
+def _draw_legend(figure: Any, axes: Any) -> None:
+    """Say below the map what its lines and shades are."""
+    from matplotlib.patches import Patch
+
+    shades = (
+        ("obstacle", SHADE_OCCUPIED), ("free", SHADE_FREE), ("unknown", SHADE_UNKNOWN),
+    )  # fmt: skip
+    lines, names = axes.get_legend_handles_labels()
+    patches = [Patch(facecolor=str(shade), edgecolor="black", label=n) for n, shade in shades]
+    figure.legend(
+        [*lines, *patches], [*names, *(name for name, _ in shades)], loc="lower center",
+        ncols=6, fontsize=9, frameon=False,
+    )  # fmt: skip
 
 
 def _draw_scale(axes: Any, left: float, bottom: float, width: float, height: float) -> None:

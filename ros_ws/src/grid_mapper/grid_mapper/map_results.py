@@ -32,6 +32,7 @@ SUMMARY_KEYS = (
     "ms_median", "ms_p99", "peak_mb", "input", "input_format", "input_info", "problem",
 )  # fmt: skip
 NO_MAP = "no scan had enough points to begin a map"
+PICTURE_TEXT = "black: obstacle, white: free, gray: unknown, blue: the robot's path"
 NUM_WORST = 5
 NUM_REASONS = 5
 
@@ -42,6 +43,7 @@ class MapInputs:
 
     Attributes:
         name: Name of the recording.
+        title: Its folder and file name; "" for the name alone.
         relations: Known relations; None where not asked for.
         relations_tolerance_ns: How far their stamps may be from a pose.
         relations_offset_ns: Added to the trajectory's stamps.
@@ -57,6 +59,7 @@ class MapInputs:
     truth: Trajectory | None = None
     format: str = ""
     info: tuple[str, ...] = ()
+    title: str = ""
 
 
 def write_results(
@@ -77,7 +80,9 @@ def write_results(
     has_map = occupancy.cells.size > 0
     if has_map:
         save_map(out / "map", occupancy)
-        title = f"{inputs.name}: {len(run.trajectory)} scans, {summary['path_m']:.1f} m"
+        title = (
+            f"{inputs.title or inputs.name}: {len(run.trajectory)} scans, {summary['path_m']:.1f} m"
+        )
         write_atomic(out / "map.png", draw_map(occupancy, run.trajectory, title))
     else:
         nothing = NO_MAP if run.trajectory else none_used(recording.counts)
@@ -246,7 +251,7 @@ def _sections(out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun
         ("ms per scan", "-" if summary["ms_median"] is None else f"{summary['ms_median']:.2f}"),
     ])  # fmt: skip
     picture = out / "map.png"
-    pictures = [Picture(picture, "dark: obstacle, white: free")] if picture.exists() else []
+    pictures = [Picture(picture, PICTURE_TEXT)] if picture.exists() else []
     sections = [
         Section("Map", [figures, *pictures]),
         Section("How it was read", list(inputs.info)),
