@@ -46,8 +46,8 @@ name that a node does not know, and a value out of range, stop it at the start w
 says so (exit code 2). An integer does for a number with decimals. What is not marked *fixed* can
 be changed while the node runs (`ros2 param set`).
 
-`scripts/map_bag.py --config FILE` takes the parameters of `grid_mapper` from the same file; those of
-the node alone have no effect there.
+`scripts/map_bag.py --config FILE` takes the parameters of `grid_mapper` from the same file; those
+of the node alone have no effect there.
 
 Every node also takes `use_sim_time` and, for each of its topics, the standard quality-of-service
 overrides `qos_overrides.<topic>.<publisher or subscription>.<policy>`, where the policy is

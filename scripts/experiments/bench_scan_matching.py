@@ -2,8 +2,8 @@
 
 All get the same points of the same scans in the same run, scan by scan in turns, and nothing else:
 no odometry, constant velocity as the start. Ours is timed from ranges to pose, its map update
-included. kiss-icp and genz-icp run with their own settings, 0.2 m voxels and no motion compensation. Floor: the points from the ranges and one evaluation of
-the residuals.
+included. kiss-icp and genz-icp run with their own settings, 0.2 m voxels and no motion
+compensation. Floor: the points from the ranges and one look-up of each in a grid.
 """
 
 from __future__ import annotations
