@@ -1,5 +1,6 @@
 """Storage files as crashes, tools and other distributions leave them."""
 
+import gzip
 import shutil
 import sqlite3
 
@@ -19,6 +20,7 @@ from recording_builders import (
 
 from floornav_common.se2 import SE2
 from grid_mapper.recordings import RecordingError, RecordingOptions, open_recording
+from grid_mapper.recordings.bag import Bag
 
 
 def read(path, **options):
@@ -121,6 +123,14 @@ def test_a_folder_of_bags_or_logs_names_them(tmp_path):
     (tmp_path / "logs" / "a.log").write_text("FLASER\n")
     with pytest.raises(RecordingError, match=r"name a file if it is a log: a\.log"):
         read(tmp_path / "logs")
+
+
+@pytest.mark.parametrize("name", ["a.log", "a.log.gz"])
+def test_a_text_log_opened_as_a_bag_names_what_maps_it(tmp_path, name):
+    text = b"FLASER 1 1.0 0 0 0 0 0 0 1 host 1\n"
+    (tmp_path / name).write_bytes(gzip.compress(text) if name.endswith(".gz") else text)
+    with pytest.raises(RecordingError, match="text logs cannot be replayed, map them with map_bag"):
+        Bag(tmp_path / name)
 
 
 def ros1_parts(folder, *names):

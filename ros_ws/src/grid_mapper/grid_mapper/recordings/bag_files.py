@@ -19,6 +19,7 @@ from tempfile import TemporaryDirectory
 from grid_mapper.recordings.bag_metadata import METADATA_NAME
 from grid_mapper.recordings.bag_parts import parts_of_one_bag
 from grid_mapper.recordings.events import RecordingError
+from grid_mapper.recordings.text_lines import read_head
 
 if sys.version_info >= (3, 14):
     from compression import zstd
@@ -79,6 +80,8 @@ def storage_files(path: Path, stack: ExitStack, note: Callable[[str], None]) -> 
 
 def _nothing_in(path: Path, found: list[Path]) -> str:
     text = f"{path} holds no recording: no sqlite3, mcap or ROS 1 bag file with anything in it"
+    if not path.is_dir() and _is_text(path):
+        return f"{path} is no bag: text logs cannot be replayed, map them with map_bag"
     inside = [str(f.relative_to(path)) for f in _bags_below(path, NUM_LEVELS)]
     if inside:
         return f"{text}; name one of the bags in it: {_listed(inside)}"
@@ -86,8 +89,15 @@ def _nothing_in(path: Path, found: list[Path]) -> str:
     return f"{text}; name a file if it is a log: {', '.join(logs[:NUM_NAMED])}" if logs else text
 
 
+def _is_text(path: Path) -> bool:
+    head = read_head(path)
+    return bool(head) and b"\x00" not in head
+
+
 def _bags_below(folder: Path, num_levels: int) -> list[Path]:
     """Return the bags in the folders of a folder: folders that are one, and files on their own."""
+    if not folder.is_dir():
+        return []
     bags: list[Path] = []
     for inner in sorted(f for f in folder.iterdir() if f.is_dir() and os.access(f, os.R_OK)):
         files = [f for f in sorted(inner.iterdir()) if f.name.endswith(STORAGE_ENDINGS)]
