@@ -129,6 +129,15 @@ def test_the_picture_is_wide_enough_for_its_legend_whatever_the_map(shape):
     assert int.from_bytes(png[16:20], "big") == 1500
 
 
+@pytest.mark.parametrize("called", ["scripts/map_bag.py", "/usr/lib/grid_mapper/map_bag"])
+def test_help_names_the_command_as_it_was_called(monkeypatch, capsys, called):
+    monkeypatch.setattr(sys, "argv", [called])
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    name, text = called.rpartition("/")[2], capsys.readouterr().out
+    assert f"usage: {name} [" in text and f"`{name} BAG_OR_LOG" in text
+
+
 def test_max_scans_and_a_folder_that_exists(tmp_path, capsys):
     bag = room_bag(tmp_path / "room")
     for _ in range(2):

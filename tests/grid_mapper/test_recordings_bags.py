@@ -146,6 +146,16 @@ def test_a_bag_without_laser_transform_and_odometry_says_both_at_once(tmp_path):
         read(path)
 
 
+def test_topics_may_be_named_without_their_slash(tmp_path):
+    odom = [("/odom", START_NS + i * NS // 10, odom_message(START_NS + i * NS // 10, 0.0))
+            for i in range(4)]  # fmt: skip
+    path = write_bag(tmp_path / "bag", [*drive(3), *odom])
+    recording, events = read(path, scan_topic="scan", odom_topic="odom")
+    assert len(events) == 3 and "scans: /scan, as asked" in recording.info
+    with pytest.raises(RecordingError, match="has no topic left"):
+        read(path, scan_topic="left")
+
+
 def test_a_laser_pose_that_overrides_tf_says_what_tf_has(tmp_path):
     path = write_bag(tmp_path / "bag", drive(3))
     recording, events = read(path, laser_pose=SE2(0.3, 0.0, 0.1))

@@ -70,7 +70,8 @@ def main(argv: list[str] | None = None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
-    parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
+    description = (__doc__ or "").replace("map_bag.py", "%(prog)s")
+    parser = argparse.ArgumentParser(description=description)
     add = parser.add_argument
     add("recording", type=Path, metavar="BAG_OR_LOG", help="rosbag2, ROS 1 bag or text log")
     add("--config", type=Path, metavar="YAML", help="parameters of grid_mapper")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from grid_mapper.recordings.bag import Bag
@@ -68,6 +68,7 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
     Raises:
         RecordingError: With the option that would settle what the bag leaves open.
     """
+    options = _with_full_names(bag, options)
     scan_topic, scan_info = choose_scan_topic(bag, options)
     odom_topic, others = _odom_topic(bag, options) if options.use_odom else (None, "")
     found = survey(bag, scan_topic, [t for t in (odom_topic, *options.sonar_topics) if t])
@@ -94,6 +95,20 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
         scan_topic, options.sonar_topics, odom_topic, child or base.name, tf_topics(bag),
         base.name, frame, found.tree, fixed_links(found.tree, base.name), info,
     )  # fmt: skip
+
+
+def _with_full_names(bag: Bag, options: RecordingOptions) -> RecordingOptions:
+    """Return the options with topics named as in the bag, which has a '/' before them."""
+
+    def full(name: str) -> str:
+        return f"/{name}" if name not in bag.topics and f"/{name}" in bag.topics else name
+
+    return replace(
+        options,
+        scan_topic=None if options.scan_topic is None else full(options.scan_topic),
+        odom_topic=None if options.odom_topic is None else full(options.odom_topic),
+        sonar_topics=tuple(map(full, options.sonar_topics)),
+    )
 
 
 def _all_or_errors(*infos: Callable[[], str]) -> list[str]:
