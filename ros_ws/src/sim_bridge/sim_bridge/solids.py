@@ -181,7 +181,12 @@ def _parts(item: Furniture, parts: list[_Part]) -> list[Solid]:
     T_world_item = SE2(*item.center_m, math.radians(item.yaw_deg))
     return [
         Solid(
-            item.name, T_world_item @ SE2(x, y, 0.0), size, bottom, False, item.color,
+            item.name,
+            T_world_item @ SE2(x, y, 0.0),
+            size,
+            bottom,
+            False,
+            item.color,
             texture=item.texture,
         )
         for x, y, bottom, size in parts
