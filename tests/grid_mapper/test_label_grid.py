@@ -20,6 +20,7 @@ from grid_mapper.label_grid import (
     sample_sectors,
     sector_rays,
 )
+from grid_mapper.tile_grid import SIDE_CELLS
 
 RESOLUTION = 0.05
 
@@ -220,7 +221,7 @@ def test_cells_without_a_tile_are_skipped():
 def test_rays_of_a_sector_leave_no_point_of_it_aside():
     angles, lengths = sector_rays(np.array([0.3, 1.0]), np.array([10.0, 500.0]), 0.15)
     assert angles[0] == pytest.approx(0.3) and lengths[0] == 10.0
-    second, reach = angles[1:], 2.0 / 500.0
+    second, reach = angles[1:], SIDE_CELLS / 500.0
     assert np.diff(second).max() <= 2.0 * reach
     assert second[0] - 0.85 <= reach and 1.15 - second[-1] <= reach
 

@@ -17,12 +17,12 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.beams import Beams, beams_of
 from grid_mapper.config import LabelGridConfig
-from grid_mapper.tile_grid import NOWHERE, TILE_BITS, TILE_MASK, TileGrid, find_slot
+from grid_mapper.tile_grid import NOWHERE, SIDE_CELLS, TILE_BITS, TILE_MASK, TileGrid, find_slot
 
 LABEL_UNKNOWN, LABEL_FREE, LABEL_OCCUPIED = 0, 1, 2
 MAX_POINTS = np.iinfo(np.uint16).max
 MAX_HALF_ANGLE = 0.25 * np.pi  # a wider sector has edges on both sides of a diagonal
-RAY_CELLS = 2.0  # what `missing_on_rays` leaves beside a ray, for sectors
+RAY_CELLS = SIDE_CELLS  # what `missing_on_rays` leaves beside a ray, for sectors
 MIN_COS = 1e-12
 
 
@@ -91,6 +91,8 @@ def sector_rays(
     angles: np.ndarray, lengths: np.ndarray, half_angle: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return rays (angles, lengths) so dense that no point of a sector is `RAY_CELLS` from one."""
+    if not len(lengths) or half_angle * lengths.max() <= RAY_CELLS:
+        return angles, lengths
     num = np.maximum(1, np.ceil(lengths * (half_angle / RAY_CELLS))).astype(np.int64)
     first = np.repeat(np.cumsum(num) - num, num)
     share = (2.0 * (np.arange(num.sum()) - first) + 1.0) / np.repeat(num, num) - 1.0

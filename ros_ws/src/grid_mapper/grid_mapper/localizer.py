@@ -225,8 +225,8 @@ class ScanLocalizer:
         """Return why a match is not to be believed; "" if it is."""
         config, off = self.config, offset(T_pred, match.T_map_base)
         sigmas = float(np.sqrt(off @ np.linalg.solve(near, off)))
-        sigma_m = np.sqrt(np.linalg.eigvalsh(near[:2, :2])[1])
-        is_vague = sigma_m > config.vague_sigma_m or near[2, 2] > config.vague_sigma_rad**2
+        is_far = near[0, 0] + near[1, 1] > 2.0 * config.vague_sigma_m**2
+        is_vague = is_far or near[2, 2] > config.vague_sigma_rad**2
         if num_points < config.min_pairs:
             return f"the scan has {num_points} points, fewer than {config.min_pairs}"
         if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:

@@ -86,18 +86,21 @@ def trace_rays(  # type: ignore[no-untyped-def]
         num_cols, num_rows = abs(end_col - col), abs(end_row - row)
         step_col, step_row = (1 if end_col > col else -1), (1 if end_row > row else -1)
         error = num_cols - num_rows
-        tile_row, tile_col, slot = NOWHERE, NOWHERE, -1
-        for k in range(max(num_cols, num_rows) + 1):
+        tile_row, tile_col, tile = NOWHERE, NOWHERE, values[0]
+        last = max(num_cols, num_rows)
+        for k in range(last + 1):
             if row >> TILE_BITS != tile_row or col >> TILE_BITS != tile_col:
                 tile_row, tile_col = row >> TILE_BITS, col >> TILE_BITS
                 slot = find_slot(table, corner, row, col)
-            if slot >= 0:
-                r, c = row & TILE_MASK, col & TILE_MASK
-                if k == max(num_cols, num_rows) and is_hit[i]:
-                    value = min(values[slot, r, c] + hit, limit)
-                else:
-                    value = max(values[slot, r, c] + miss, -limit)
-                values[slot, r, c] = value if value != 0.0 else EVEN
+                if slot < 0:
+                    break  # nothing is stored there; `ensure_rays` leaves no such tile
+                tile = values[slot]
+            r, c = row & TILE_MASK, col & TILE_MASK
+            if k == last and is_hit[i]:
+                value = min(tile[r, c] + hit, limit)
+            else:
+                value = max(tile[r, c] + miss, -limit)
+            tile[r, c] = value if value != 0.0 else EVEN
             twice = 2 * error
             if twice > -num_rows:
                 error -= num_rows

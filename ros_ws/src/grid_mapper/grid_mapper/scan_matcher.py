@@ -17,7 +17,7 @@ between basins (`_cost`) counts them by the same share.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -102,8 +102,11 @@ class ScanMatcher:
             self._register(scan, coarse_stride, start, T_pred, prior, COARSE_WIDTH)
             for start in starting_poses(T_pred, cov_pred)
         ]
-        best = min(coarse, key=lambda fit: _cost(fit, len(scan), T_pred, prior))
-        return self._register(scan, fine_stride, best.T_map_base, T_pred, prior, FINE_WIDTH)
+        best = coarse[0]
+        if len(coarse) > 1:
+            best = min(coarse, key=lambda fit: _cost(fit, len(scan), T_pred, prior))
+        fit = self._register(scan, fine_stride, best.T_map_base, T_pred, prior, FINE_WIDTH)
+        return replace(fit, information=without_leak(fit.information))
 
     def _register(
         self, scan: SurfacePoints, stride: int, start: SE2, T_pred: SE2, prior: np.ndarray,
@@ -117,7 +120,7 @@ class ScanMatcher:
         )  # fmt: skip
         return MatchResult(
             T_map_base=SE2(*pose),
-            information=INDEPENDENT_SHARE * stride * without_leak(information),
+            information=INDEPENDENT_SHARE * stride * information,
             overlap=float(num_pairs / max(1, len(used))),
             agreement=float(weight / max(1, num_pairs)),
             num_pairs=int(num_pairs * stride),

@@ -16,6 +16,7 @@ TILE_MASK = TILE_CELLS - 1
 NO_TILE = -1
 NOWHERE = 1 << 40  # a tile row no plane has
 NEAR_CELLS = 8.0
+SIDE_CELLS = 6.0  # beside a ray, for sectors
 
 
 class TileGrid:
@@ -170,7 +171,7 @@ def missing_on_rays(  # type: ignore[no-untyped-def]
 def _tiles_on_ray(x0, y0, x1, y1):  # type: ignore[no-untyped-def]
     """Return the tiles round points half a tile apart; between them the ray stays in these."""
     num_steps = int(2.0 * np.hypot(x1 - x0, y1 - y0) / TILE_CELLS) + 1
-    reach = 0.25 * TILE_CELLS + NEAR_CELLS + 2.0
+    reach = 0.25 * TILE_CELLS + NEAR_CELLS + SIDE_CELLS
     tiles = np.empty((4 * (num_steps + 1), 2), np.int64)
     for k in range(num_steps + 1):
         x, y = x0 + (x1 - x0) * k / num_steps, y0 + (y1 - y0) * k / num_steps

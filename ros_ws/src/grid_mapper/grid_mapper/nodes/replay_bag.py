@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -225,7 +226,9 @@ def _chosen(bag: Bag, args: argparse.Namespace) -> list[str]:
         UserError: If one is not in the bag, there is none, or it is a ROS 1 bag.
     """
     if bag.is_ros1:
-        raise UserError(f"{args.bag} is a ROS 1 bag: convert it first (rosbags-convert)")
+        command = f"{sys.executable} -m rosbags.convert --src {shlex.quote(str(args.bag))}"
+        target = shlex.quote(str(args.bag.with_suffix("")))
+        raise UserError(f"{args.bag} is a ROS 1 bag, convert it: {command} --dst {target}")
     unknown = [name for name in args.topics or () if name not in bag.topics]
     if unknown:
         raise UserError(f"{args.bag} has no {', '.join(unknown)}; it has {', '.join(bag.topics)}")
