@@ -5,6 +5,7 @@ In: nothing. Out: the topics of a bag, `/clock` in recorded time.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -22,6 +23,7 @@ from grid_mapper.recordings.playback import STATIC_NAME, offered_profile
 
 CLOCK_TOPIC = "/clock"
 NS_PER_S = 1_000_000_000
+LAST_S = 0.3
 ACK_TIMEOUT_S = 2
 
 
@@ -87,3 +89,4 @@ class BagPlayerNode(Node):
         """Give reliable subscribers time to get the last messages."""
         for publisher in self._publishers_by_topic.values():
             publisher.wait_for_all_acked(Duration(seconds=ACK_TIMEOUT_S))
+        time.sleep(LAST_S)  # nobody acknowledges best-effort messages: leave them time to arrive
