@@ -212,7 +212,8 @@ class GridMapperNode(FloornavNode):
         if self._reason:
             return Status(WARN, f"newest scan not trusted: {self._reason}", values)
         if self._note:
-            return Status(WARN, f"{self._note}; odometry decides", values)
+            judge = "odometry decides" if self._config.use_odom else "nothing else does either"
+            return Status(WARN, f"{self._note}; {judge}", values)
         return Status(OK, "every scan fits the map", values)
 
     def _warn(self, text: str) -> None:
