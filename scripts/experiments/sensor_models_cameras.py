@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from floornav_common.mirror_camera import MirrorCamera, paper_camera
+from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera, paper_camera
 from sim_bridge.appearance import Floor, Light, Ring
 from sim_bridge.drive import Velocity
 from sim_bridge.simulation import Simulation

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from camera_worlds import CLEAN, FLAT_LIGHT, edge_radius, ring_world
 
-from floornav_common.mirror_camera import load_camera, paper_camera
+from floornav_common.camera_files import load_camera
+from floornav_common.cameras.hyperboloidal_mirror import paper_camera
 from floornav_common.se2 import SE2
 from sim_bridge import robot_model
 from sim_bridge.appearance import Light

@@ -9,10 +9,10 @@ from typing import Protocol
 
 import numpy as np
 
-from floornav_common.mirror_camera import MirrorCamera
+from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera
 from sim_bridge.camera_config import OmniCameraConfig, StereoConfig, optical_frame
 from sim_bridge.image_effects import ImageSensor
-from sim_bridge.rendering import Rays, sorted_rays
+from sim_bridge.camera_rays import Rays, sorted_rays
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.scene import Scene
 
@@ -86,21 +86,23 @@ class Cameras:
         return camera.sensor.expose(self._scene.light_at(camera.rays, T_world_camera))
 
 
-def mirror_rays(camera: MirrorCamera, samples: int) -> Rays:
+def mirror_rays(camera: MirrorCamera, samples: int, refine_above: float) -> Rays:
     """Return the rays of a mirror's pixels; none where the mirror is not."""
     directions = camera.rays(_sub_pixels(camera.width_px, camera.height_px, samples))
     is_seen = _radius(camera) <= camera.max_radius_px + _EDGE_SOFTNESS_PX
-    return sorted_rays(directions, is_seen)
+    return sorted_rays(directions, is_seen, refine_above)
 
 
-def pinhole_rays(width_px: int, height_px: int, focal_px: float, samples: int) -> Rays:
+def pinhole_rays(
+    width_px: int, height_px: int, focal_px: float, samples: int, refine_above: float = -1.0
+) -> Rays:
     """Return the rays of a pinhole's pixels: x right, y down, z along the view."""
     pixels = _sub_pixels(width_px, height_px, samples)
     middle = np.array([(width_px - 1) / 2.0, (height_px - 1) / 2.0])
     flat = (pixels - middle) / focal_px
     directions = np.concatenate((flat, np.ones((*flat.shape[:-1], 1))), axis=-1)
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
-    return sorted_rays(directions, np.ones((height_px, width_px), dtype=bool))
+    return sorted_rays(directions, np.ones((height_px, width_px), dtype=bool), refine_above)
 
 
 def _omni_camera(
@@ -112,7 +114,7 @@ def _omni_camera(
     gain = np.clip((camera.max_radius_px - radius) / _EDGE_SOFTNESS_PX + 0.5, 0.0, 1.0)
     edge = np.minimum(radius / camera.max_radius_px, 1.0)
     sensor = ImageSensor(config.image, gain, edge, rng)
-    return _Camera(T_base_camera, mirror_rays(camera, config.samples), sensor)
+    return _Camera(T_base_camera, mirror_rays(camera, config.samples, config.refine_above), sensor)
 
 
 def _pinhole_camera(
@@ -122,7 +124,7 @@ def _pinhole_camera(
     v, u = np.mgrid[:height, :width]
     edge = np.hypot(u - (width - 1) / 2.0, v - (height - 1) / 2.0)
     sensor = ImageSensor(config.image, np.ones_like(edge), edge / edge.max(), rng)
-    rays = pinhole_rays(width, height, config.focal_px, config.samples)
+    rays = pinhole_rays(width, height, config.focal_px, config.samples, config.refine_above)
     return _Camera(T_base_camera, rays, sensor)
 
 
