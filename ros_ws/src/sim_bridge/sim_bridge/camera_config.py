@@ -44,7 +44,7 @@ class OmniCameraConfig:
     height_px: int = param(220, "Rows.", unit="px", ge=16, le=4096)
     period_s: float = param(0.1, "Time between images.", unit="s", gt=0.0)
     samples: int = param(2, "Rays a pixel along each axis.", ge=1, le=8)
-    refine_above: float = param(0.02, REFINE_DOC, ge=-1.0, le=1.0)
+    refine_above: float = param(0.03, REFINE_DOC, ge=-1.0, le=1.0)
     calibrated_width_px: int = param(256, "Columns that the figures hold for.", unit="px", ge=1)
     calibrated_height_px: int = param(220, "Rows that the figures hold for.", unit="px", ge=1)
     a_px_per_mm: float = param(10.12, "A of eq. 26.", unit="px/mm", gt=0.0)
@@ -87,7 +87,7 @@ class StereoConfig:
     fov_rad: float = param(1.2, "Angle between the first and last column.", gt=0.0, lt=3.0)
     period_s: float = param(0.1, "Time between images.", unit="s", gt=0.0)
     samples: int = param(1, "Rays a pixel along each axis.", ge=1, le=8)
-    refine_above: float = param(0.02, REFINE_DOC, ge=-1.0, le=1.0)
+    refine_above: float = param(0.03, REFINE_DOC, ge=-1.0, le=1.0)
     image: ImageConfig = ImageConfig()
 
     @property

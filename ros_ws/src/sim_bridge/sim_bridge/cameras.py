@@ -11,8 +11,8 @@ import numpy as np
 
 from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera
 from sim_bridge.camera_config import OmniCameraConfig, StereoConfig, optical_frame
-from sim_bridge.image_effects import ImageSensor
 from sim_bridge.camera_rays import Rays, sorted_rays
+from sim_bridge.image_effects import ImageSensor
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.scene import Scene
 

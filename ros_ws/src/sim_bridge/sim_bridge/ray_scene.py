@@ -159,7 +159,8 @@ def _write_normal(  # type: ignore[no-untyped-def]
 ):
     """Write the outward normal of shape i at a point, in the world, to row n of normals."""
     px, py, pz = turned(places, i, x - middles[i, 0], y - middles[i, 1], z - middles[i, 2])
-    a, b, c = normal_at(kind, places, i, px, py, pz)
+    hx, hy, hz = places[i, HALF], places[i, HALF + 1], places[i, HALF + 2]
+    a, b, c = normal_at(kind, hx, hy, hz, px, py, pz)
     for k in range(3):
         normals[n, k] = places[i, k] * a + places[i, 3 + k] * b + places[i, 6 + k] * c
 

@@ -109,9 +109,8 @@ def _meet_cone(radius, tall, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped
 
 
 @numba.njit(cache=True, error_model="numpy")
-def normal_at(kind, places, i, px, py, pz):  # type: ignore[no-untyped-def]
-    """Return the outward normal at a point of the surface of shape i, in its axes."""
-    hx, hy, hz = places[i, HALF], places[i, HALF + 1], places[i, HALF + 2]
+def normal_at(kind, hx, hy, hz, px, py, pz):  # type: ignore[no-untyped-def]
+    """Return the outward normal at a point (p) of a shape's surface with half extents h."""
     if kind == BOX:
         x, y, z = abs(px) / hx, abs(py) / hy, abs(pz) / hz
         if x >= y and x >= z:

@@ -7,10 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from sim_bridge.camera_rays import Rays
 from sim_bridge.drawn_shapes import DrawnShapes
 from sim_bridge.floor_picture import floor_picture
 from sim_bridge.ray_shapes import COLOR, HALF, NUM_COLUMNS
-from sim_bridge.rendering import Rays, render
+from sim_bridge.rendering import render
 from sim_bridge.shading import Ground, Lighting, Shapes
 from sim_bridge.textures import PATTERN_TEXEL, atlas_of, pattern
 from sim_bridge.world import World

@@ -10,19 +10,20 @@ import numpy as np
 from sim_bridge.ray_shapes import is_between, meet, turned
 
 
-@numba.njit(cache=True, error_model="numpy")
-def shading_shapes(directions, first, end, depth, places, is_glass, lamps, listed):  # type: ignore[no-untyped-def]
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def shading_shapes(  # type: ignore[no-untyped-def]
+    directions, chosen, num, depth, places, is_glass, lamps, listed
+):
     """List the shapes that may stand between a tile's ends and the lamp; return how many."""
     xl = yl = zl = np.inf
     xh = yh = zh = -np.inf
     num_rays = directions.shape[1]
-    for p in range(first, end):
-        for s in range(num_rays):
-            t = depth[(p - first) * num_rays + s]
-            if t < np.inf:
-                x, y, z = t * directions[p, s, 0], t * directions[p, s, 1], t * directions[p, s, 2]
-                xl, yl, zl = min(xl, x), min(yl, y), min(zl, z)
-                xh, yh, zh = max(xh, x), max(yh, y), max(zh, z)
+    for k in range(num * num_rays):
+        if depth[k] < np.inf:
+            p, s, t = chosen[k // num_rays], k % num_rays, depth[k]
+            x, y, z = t * directions[p, s, 0], t * directions[p, s, 1], t * directions[p, s, 2]
+            xl, yl, zl = min(xl, x), min(yl, y), min(zl, z)
+            xh, yh, zh = max(xh, x), max(yh, y), max(zh, z)
     if xl == np.inf:
         return 0
     x, y, z = (xl + xh) / 2.0, (yl + yh) / 2.0, (zl + zh) / 2.0
@@ -39,27 +40,25 @@ def shading_shapes(directions, first, end, depth, places, is_glass, lamps, liste
     return count
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", inline="always")
 def cast_shadows(  # type: ignore[no-untyped-def]
-    directions, first, end, depth, hits, places, kinds, lamps, listed, count, shadows
+    directions, chosen, num, depth, hits, places, kinds, lamps, listed, count, shadows
 ):
     """Mark the rays of a tile whose ends the lamp does not reach; a shape does not shade itself."""
     num_rays = directions.shape[1]
-    for p in range(first, end):
-        for s in range(num_rays):
-            k = (p - first) * num_rays + s
-            t = depth[k]
-            if t == np.inf:
+    for k in range(num * num_rays):
+        p, s, t = chosen[k // num_rays], k % num_rays, depth[k]
+        shadows[k] = False
+        if t == np.inf:
+            continue
+        x, y, z = t * directions[p, s, 0], t * directions[p, s, 1], t * directions[p, s, 2]
+        for j in range(count):
+            i = listed[j]
+            if i == hits[k]:
                 continue
-            for j in range(count):
-                i = listed[j]
-                if i != hits[k]:
-                    a, b, c = turned(
-                        places, i, t * directions[p, s, 0], t * directions[p, s, 1],
-                        t * directions[p, s, 2],
-                    )  # fmt: skip
-                    a, b, c = a + places[i, 9], b + places[i, 10], c + places[i, 11]
-                    way = meet(kinds[i], places, i, a, b, c, lamps[i, 0], lamps[i, 1], lamps[i, 2])
-                    if way < np.inf:
-                        shadows[k] = True
-                        break
+            a, b, c = turned(places, i, x, y, z)
+            a, b, c = a + places[i, 9], b + places[i, 10], c + places[i, 11]
+            way = meet(kinds[i], places, i, a, b, c, lamps[i, 0], lamps[i, 1], lamps[i, 2])
+            if way < np.inf:
+                shadows[k] = True
+                break

@@ -140,7 +140,7 @@ _PATTERNS: dict[str, Callable[[np.random.Generator], np.ndarray]] = {
 }
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", inline="always")
 def sample(texels, levels, texel_sizes, k, u, v, patch, is_repeated):  # type: ignore[no-untyped-def]
     """Return the color (r, g, b), 0..1, of a texture between its four nearest texels.
 
