@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from collections.abc import Iterator
 
 import pytest
 
-from floornav_common.stop_signals import noticed_stop
+from floornav_common.stop_signals import StopSignals, noticed_stop
 
 
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
@@ -45,3 +46,47 @@ def test_another_thread_may_use_it_too() -> None:
     thread.start()
     thread.join()
     assert answers == [False]
+
+
+@pytest.fixture
+def signals() -> Iterator[StopSignals]:
+    before = {s: signal.getsignal(s) for s in (signal.SIGINT, signal.SIGTERM)}
+    yield StopSignals()
+    for signum, handler in before.items():
+        signal.signal(signum, handler)
+
+
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+def test_outside_the_block_signals_are_only_noticed(
+    signals: StopSignals, sign: signal.Signals
+) -> None:
+    assert not signals.have_come
+    os.kill(os.getpid(), sign)
+    os.kill(os.getpid(), sign)
+    assert signals.have_come
+
+
+def test_inside_the_block_the_first_signal_is_raised_and_no_other(signals: StopSignals) -> None:
+    with pytest.raises(KeyboardInterrupt), signals.raised():
+        os.kill(os.getpid(), signal.SIGTERM)
+    with pytest.raises(KeyboardInterrupt), signals.raised():
+        pytest.fail("a signal came before the block")
+    assert signals.have_come
+
+
+def test_a_signal_that_is_swallowed_in_the_block_is_known_and_not_raised_again(
+    signals: StopSignals,
+) -> None:
+    with signals.raised():
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGINT)
+    assert signals.have_come
+
+
+def test_nodes_may_run_in_another_thread() -> None:
+    have_come: list[bool] = []
+    thread = threading.Thread(target=lambda: have_come.append(StopSignals().have_come))
+    thread.start()
+    thread.join()
+    assert have_come == [False]

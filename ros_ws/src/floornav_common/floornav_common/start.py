@@ -11,7 +11,6 @@ from __future__ import annotations
 import importlib
 import os
 import signal
-import threading
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -32,16 +31,9 @@ def start_node(module: str) -> int:
 
 
 def leave_on_signal() -> None:
-    """End the process with 0 on SIGINT and SIGTERM, until `interrupt_on_signal`."""
+    """End the process with 0 on SIGINT and SIGTERM, until the node's `main` replaces that."""
     for signum in _SIGNALS:
         signal.signal(signum, _leave)
-
-
-def interrupt_on_signal() -> None:
-    """Raise KeyboardInterrupt on SIGINT and SIGTERM; does nothing outside the main thread."""
-    if threading.current_thread() is threading.main_thread():
-        for signum in _SIGNALS:
-            signal.signal(signum, signal.default_int_handler)
 
 
 def _leave(_signum: int, _frame: FrameType | None) -> None:

@@ -1,4 +1,9 @@
-"""One `main` for all nodes: start, spin, stop cleanly, and the exit code that says how it went."""
+"""One `main` for all nodes: start, spin, stop cleanly, and the exit code that says how it went.
+
+A signal interrupts the construction of nodes by an exception, but never a callback: rclpy's own
+handler would shut the context down under the executor's threads, and an exception that comes out
+of the executor's compiled code may end the process by abort(). The loop looks for it instead.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +17,14 @@ from types import ModuleType
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from floornav_common.ros.parameters import ParameterError
-from floornav_common.start import interrupt_on_signal
+from floornav_common.stop_signals import StopSignals
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
-_SPIN_S = 1.0  # spin() and spin_once(None) of the wheels' EventsExecutor never return
+_SPIN_S = 0.5  # spin() and spin_once(None) of the wheels' EventsExecutor never return
 _BAD_START = ("RCLError", "RCLInvalidROSArgsError", "UnknownROSArgsError", "InvalidNodeNameError")
 
 
@@ -57,19 +63,20 @@ def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | No
     """Run several nodes in one process until they are told to stop; see `run_node`."""
     nodes: list[Node] = []
     has_begun = False
+    signals = StopSignals()
     try:
-        interrupt_on_signal()
-        with _bad_start_as_usage():
-            rclpy.init(args=None if args is None else list(args))
+        with _bad_start_as_usage(), signals.raised():
+            options = SignalHandlerOptions.NO
+            rclpy.init(args=None if args is None else list(args), signal_handler_options=options)
             has_begun = True
             for make_node in make_nodes:
                 nodes.append(make_node())
-        _spin(nodes)
+        _spin(nodes, signals)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except Exception as error:
-        if has_begun and not rclpy.ok():
-            return EXIT_OK  # only cut short by the shutdown
+        if has_begun and (signals.have_come or not rclpy.ok()):
+            return EXIT_OK  # only cut short by the signal or the shutdown
         if isinstance(error, ParameterError):
             print(error, file=sys.stderr)
             return EXIT_USAGE
@@ -116,9 +123,12 @@ def _one_line(error: Exception) -> str:
     return f"unknown ROS argument {text}" if is_argument else text
 
 
-def _spin(nodes: Sequence[Node]) -> None:
+def _spin(nodes: Sequence[Node], signals: StopSignals) -> None:
     executor = make_executor()
-    for node in nodes:
-        executor.add_node(node)
-    while rclpy.ok():
-        executor.spin_once(timeout_sec=_SPIN_S)
+    try:
+        for node in nodes:
+            executor.add_node(node)
+        while rclpy.ok() and not signals.have_come:
+            executor.spin_once(timeout_sec=_SPIN_S)
+    finally:
+        executor.shutdown()  # its threads end while what they use is still there

@@ -70,14 +70,6 @@ class SimBridgeNode(FloornavNode):
         self._config = config
 
     def _on_timer(self) -> None:
-        try:
-            self._catch_up()
-        except Exception:
-            # A shutdown comes from another thread, so it may find us between two publishes.
-            if self.context.ok():
-                raise
-
-    def _catch_up(self) -> None:
         now = time.monotonic()
         factor = self._config.real_time_factor
         # What was missed for longer than a burst stays missed: time is slower, never jumpy.
