@@ -9,6 +9,20 @@ def test_nobody_is_waited_for_before_its_first_message() -> None:
     assert Pace(["pose"], 0.2, 5.0).late(100 * S) == []
 
 
+def test_one_that_is_known_to_listen_is_waited_for_from_the_start_and_after_each_restart() -> None:
+    pace = Pace(["pose", "cmd_vel"], 0.2, 5.0, from_start=["pose"])
+    assert pace.late(S // 10) == []
+    assert pace.late(S // 5) == ["pose"]
+    pace.heard("pose", 7 * S)
+    assert pace.late(7 * S) == []
+    pace.restart()
+    assert pace.late(S // 10) == []
+    assert pace.late(S // 5) == ["pose"]
+    assert pace.give_up(S, 0.0) == []
+    assert pace.give_up(S, 5.0) == ["pose"]
+    assert pace.late(9 * S) == []
+
+
 def test_time_waits_until_the_late_one_answers() -> None:
     pace = Pace(["pose", "cmd_vel"], 0.2, 5.0)
     pace.heard("pose", S)

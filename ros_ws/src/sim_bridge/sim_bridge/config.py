@@ -34,12 +34,14 @@ class SimBridgeConfig:
         read_only=True,
     )  # fmt: skip
     pace_topics: tuple[str, ...] = param(
-        (), "Topics that time waits for, such as `cmd_vel` and `pose`; none = no waiting.",
+        (), "Topics that time waits for, such as `cmd_vel` and `pose`, each from its first message "
+        "on; none = no waiting.",
         read_only=True,
     )  # fmt: skip
     pace_nodes: tuple[str, ...] = param(
         (), "Nodes whose answers time waits for, by name; an answer is a message on any of their "
-        "topics but images, maps and what every node has.", read_only=True,
+        "topics but images, maps and what every node has. A node counts from its first answer on, "
+        "one that is in `start_nodes` too from time 0 on.", read_only=True,
     )  # fmt: skip
     pace_lag_s: float = param(
         0.2, "How far time may run ahead of the last answer.", unit="s", gt=0.0, read_only=True

@@ -55,10 +55,19 @@ class Pace:
         topics: Names to wait for; one counts from its first message on.
         lag_s: How far simulated time may run ahead of the last answer.
         timeout_s: Longest wait, real time.
+        from_start: Those of the names that count from time 0 on: they are known to listen.
     """
 
-    def __init__(self, topics: Iterable[str], lag_s: float, timeout_s: float) -> None:
-        self._answered_ns: dict[str, int | None] = dict.fromkeys(topics)
+    def __init__(
+        self,
+        topics: Iterable[str],
+        lag_s: float,
+        timeout_s: float,
+        from_start: Iterable[str] = (),
+    ) -> None:
+        known = frozenset(from_start)
+        self._at_start = {topic: 0 if topic in known else None for topic in topics}
+        self._answered_ns: dict[str, int | None] = dict(self._at_start)
         self._lag_ns = round(lag_s * 1e9)
         self._timeout_s = timeout_s
         self._waiting_since: float | None = None
@@ -69,7 +78,7 @@ class Pace:
 
     def restart(self) -> None:
         """Forget all answers: time went back to its start."""
-        self._answered_ns = dict.fromkeys(self._answered_ns)
+        self._answered_ns = dict(self._at_start)
         self._waiting_since = None
 
     def late(self, stamp_ns: int) -> list[str]:

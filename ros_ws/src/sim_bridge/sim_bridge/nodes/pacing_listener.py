@@ -31,7 +31,9 @@ class PacingListener:
         """Wait for publishers."""
         self._node, self._stamp_ns = node, stamp_ns
         waited_for = (*config.pace_topics, *config.pace_nodes)
-        self._pace = Pace(waited_for, config.pace_lag_s, config.pace_timeout_s)
+        listeners = {self._full_name(name) for name in config.start_nodes}
+        known = [name for name in config.pace_nodes if self._full_name(name) in listeners]
+        self._pace = Pace(waited_for, config.pace_lag_s, config.pace_timeout_s, known)
         self._answers = Answers(node, config, self._pace, stamp_ns) if waited_for else None
         self._audience = self._make_audience(config)
         self._warnings = Throttle(_WARN_PERIOD_NS)
@@ -56,9 +58,11 @@ class PacingListener:
         self._pace.restart()
 
     def _make_audience(self, config: SimBridgeConfig) -> Audience | None:
-        namespace = self._node.get_namespace().rstrip("/")
-        names = [n if n.startswith("/") else f"{namespace}/{n}" for n in config.start_nodes]
+        names = [self._full_name(name) for name in config.start_nodes]
         return Audience(names, _SETTLE_S) if names else None
+
+    def _full_name(self, name: str) -> str:
+        return name if name.startswith("/") else f"{self._node.get_namespace().rstrip('/')}/{name}"
 
     def _is_audience_there(self, audience: Audience, now: float) -> bool:
         if now < self._next_look:
