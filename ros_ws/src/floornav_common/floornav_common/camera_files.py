@@ -15,7 +15,6 @@
 
 from __future__ import annotations
 
-import math
 import typing
 from collections.abc import Mapping
 from dataclasses import MISSING, asdict, dataclass, fields
@@ -24,15 +23,19 @@ from typing import Any
 
 import yaml
 
-from floornav_common.cameras import hyperboloidal_mirror
+from floornav_common.cameras import equidistant, hyperboloidal_mirror, radius_table, unified
 from floornav_common.cameras.central import CentralCamera
-from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera
 from floornav_common.config import param, validate
 from floornav_common.config_files import coerce, refuse_unknown
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.reporting import write_atomic
 
-KINDS: dict[str, type] = {hyperboloidal_mirror.KIND: MirrorCamera}
+KINDS: dict[str, type] = {
+    hyperboloidal_mirror.KIND: hyperboloidal_mirror.MirrorCamera,
+    unified.KIND: unified.UnifiedCamera,
+    equidistant.KIND: equidistant.EquidistantCamera,
+    radius_table.KIND: radius_table.RadiusTableCamera,
+}
 """The class of each kind."""
 
 
@@ -93,7 +96,7 @@ def _read(path: Path) -> tuple[CentralCamera, Mount]:
     except (UnicodeDecodeError, yaml.YAMLError) as error:
         raise ValueError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
     kind = data.pop("kind", None) if isinstance(data, dict) else None
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise ValueError(f"{path}: expected a mapping with kind: {' or '.join(KINDS)}")
     mount = data.pop("mount", None)
     if mount is not None and not isinstance(mount, dict):
@@ -122,9 +125,8 @@ def _camera_values(camera: CentralCamera) -> dict[str, Any]:
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return values as YAML holds them: plain numbers, lists; no limit is left out."""
+    """Return values as YAML holds them: plain numbers and lists."""
     return {
         name: [float(v) for v in value] if isinstance(value, tuple) else value
         for name, value in values.items()
-        if value != math.inf
     }

@@ -34,7 +34,7 @@ class CentralCamera(Protocol):
 
     @property
     def is_symmetric(self) -> bool:
-        """Whether the image is the same in all directions around its center."""
+        """Whether the image is the same in all directions around an upright axis."""
         ...
 
     def rays(self, pixels: np.ndarray) -> np.ndarray:
