@@ -7,6 +7,7 @@ import typing
 from collections.abc import Iterator
 from dataclasses import MISSING, Field
 
+from floor_perception.config import CameraNodeConfig, FloorDetectorConfig, FloorNodeConfig
 from floornav_common.config import range_text
 from floornav_common.config_files import parameter_fields
 from floornav_common.frames import FrameConfig
@@ -24,6 +25,9 @@ from sim_bridge.config import (
 NODES: dict[str, tuple[type, ...]] = {
     "grid_mapper grid_mapper": (
         GridMapperNodeConfig, GridMapperConfig, FrameConfig, ProcessConfig,
+    ),
+    "floor_perception floor_detector": (
+        CameraNodeConfig, FloorNodeConfig, FloorDetectorConfig, FrameConfig, ProcessConfig,
     ),
     "sim_bridge sim_bridge": (SimBridgeConfig, FrameConfig, ProcessConfig),
     "sim_bridge route_follower": (RouteConfig, ProcessConfig),

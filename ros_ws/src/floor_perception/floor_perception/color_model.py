@@ -1,0 +1,170 @@
+"""The color of the floor: learned from pixels of it, looked up for every pixel of an image.
+
+Colors are compared by chromaticity, (R, G) / (R + G + B), which a shadow leaves as it is, within
+wide bounds of brightness. The floor's chromaticities are one Gaussian, found as the densest of the
+pixels given: lines, dirt and an obstacle among them do not count while they are fewer. Where the
+paper is silent (step 1 says only "extract the floor's color") this is what robots in the field do:
+a table over the color cube that is filled once and read for each pixel.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numba
+import numpy as np
+
+from floor_perception.config import ColorConfig
+
+TABLE_EDGE = 64  # colors of 6 bits a channel
+_STEP = 256 // TABLE_EDGE
+_BINS = 64
+_NUM_TRIMS = 4
+_MIN_PIXELS = 50
+
+
+@dataclass(frozen=True)
+class FloorColor:
+    """What the floor looks like.
+
+    Attributes:
+        chroma: Mean chromaticity (r, g), (2,).
+        cov: Its covariance at the brightness `middle`, (2, 2).
+        low: Brightness R + G + B below which hardly any pixel of the floor was.
+        middle: Median brightness.
+        high: Brightness above which hardly any was.
+    """
+
+    chroma: np.ndarray
+    cov: np.ndarray
+    low: float
+    middle: float
+    high: float
+
+
+def chromaticity(colors: np.ndarray) -> np.ndarray:
+    """Return (r, g) of colors (..., 3) in the order R, G, B, shape (..., 2); black is gray."""
+    total = colors.sum(axis=-1, keepdims=True, dtype=float)
+    return np.where(total > 0.0, colors[..., :2] / np.maximum(total, 1.0), 1.0 / 3.0)
+
+
+def learn(colors: np.ndarray, config: ColorConfig, share: float = 0.0) -> FloorColor:
+    """Learn the floor's color from pixels most of which, or the densest part of which, are floor.
+
+    Args:
+        colors: (N, 3), R, G, B.
+        config: Deviations.
+        share: Least share of the pixels that must have the color found.
+
+    Raises:
+        ValueError: Too few pixels, or no color that so many share.
+    """
+    if len(colors) < _MIN_PIXELS:
+        raise ValueError(f"colors must be at least {_MIN_PIXELS} pixels, got {len(colors)}")
+    chroma = chromaticity(colors)
+    mean, cov = _densest(chroma), np.eye(2) * (3.0 / _BINS) ** 2
+    for _ in range(_NUM_TRIMS):
+        near = _distance2(chroma, mean, cov) < 9.0
+        mean = chroma[near].mean(axis=0)
+        cov = _floored(np.cov(chroma[near].T), config.min_sd)
+    near = _distance2(chroma, mean, cov) < 9.0
+    if near.mean() < share:
+        raise ValueError(f"only {near.mean():.0%} of the pixels share a color, not {share:.0%}")
+    low, middle, high = np.percentile(colors[near].sum(axis=1, dtype=float), (2, 50, 98))
+    return FloorColor(mean, cov, float(low), float(middle), float(high))
+
+
+def has_color(color: FloorColor, colors: np.ndarray, config: ColorConfig) -> np.ndarray:
+    """Return which colors (N, 3), R, G, B, are the floor's, (N,), bool."""
+    total = colors.sum(axis=-1, dtype=float)
+    d2 = _distance2(chromaticity(colors), color.chroma, color.cov)
+    widened = np.maximum(1.0, color.middle / np.maximum(total, 1.0))
+    is_bright = (total >= config.darker * color.low) & (total <= config.brighter * color.high)
+    return np.asarray(is_bright & (d2 < config.gate_sd**2 * widened))
+
+
+def color_table(color: FloorColor, config: ColorConfig, order: str = "rgb") -> np.ndarray:
+    """Return 255 for each color of the cube that is the floor's, else 0, (64^3,), uint8.
+
+    Args:
+        color: The floor's.
+        config: How near a color must be.
+        order: Of the channels in the images: `rgb` or `bgr`.
+
+    In the dark the sensor's noise widens chromaticities: the gate grows as 1 / brightness.
+    """
+    table = np.empty(TABLE_EDGE**3, dtype=np.uint8)
+    info = np.linalg.inv(color.cov)
+    low, high = config.darker * color.low, config.brighter * color.high
+    _fill(
+        table, order == "bgr", *color.chroma, info[0, 0], info[0, 1], info[1, 1], color.middle,
+        low, high, config.gate_sd**2,
+    )  # fmt: skip
+    return table
+
+
+def classify(image: np.ndarray, table: np.ndarray, spans: np.ndarray, mask: np.ndarray) -> None:
+    """Look up the pixels of an image (H, W, 3) within the spans of its rows; fills `mask`."""
+    _look_up(image, table, spans, mask)
+
+
+def shifted(old: FloorColor, new: FloorColor, part: float) -> FloorColor:
+    """Return a color that has gone a part of the way from an old one to a new one."""
+
+    def between(a: float, b: float) -> float:
+        return a * (b / a) ** part
+
+    return FloorColor(
+        old.chroma + part * (new.chroma - old.chroma),
+        old.cov + part * (new.cov - old.cov),
+        *(between(getattr(old, k), getattr(new, k)) for k in ("low", "middle", "high")),
+    )
+
+
+def _densest(chroma: np.ndarray) -> np.ndarray:
+    """Return the chromaticity that most pixels have nearby."""
+    counts = np.histogram2d(chroma[:, 0], chroma[:, 1], bins=_BINS, range=((0, 1), (0, 1)))[0]
+    smooth = cv2.GaussianBlur(counts, (0, 0), 1.0, borderType=cv2.BORDER_CONSTANT)
+    peak = np.unravel_index(int(smooth.argmax()), smooth.shape)
+    return (np.array(peak) + 0.5) / _BINS
+
+
+def _distance2(chroma: np.ndarray, mean: np.ndarray, cov: np.ndarray) -> np.ndarray:
+    off = chroma - mean
+    return np.einsum("...i,ij,...j->...", off, np.linalg.inv(cov), off)
+
+
+def _floored(cov: np.ndarray, min_sd: float) -> np.ndarray:
+    values, axes = np.linalg.eigh(cov)
+    return np.asarray(axes @ np.diag(np.maximum(values, min_sd**2)) @ axes.T)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _fill(table, is_bgr, r0, g0, irr, irg, igg, middle, low, high, gate2):  # type: ignore[no-untyped-def]
+    for k in range(len(table)):
+        first = (k // (TABLE_EDGE * TABLE_EDGE) + 0.5) * _STEP
+        green = (k // TABLE_EDGE % TABLE_EDGE + 0.5) * _STEP
+        last = (k % TABLE_EDGE + 0.5) * _STEP
+        red = last if is_bgr else first
+        total = first + green + last
+        dr, dg = red / total - r0, green / total - g0
+        d2 = irr * dr * dr + 2.0 * irg * dr * dg + igg * dg * dg
+        is_floor = low <= total <= high and d2 < gate2 * max(1.0, middle / total)
+        table[k] = 255 if is_floor else 0
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _look_up(image, table, spans, mask):  # type: ignore[no-untyped-def]
+    two, six, twelve = np.uint32(2), np.uint32(6), np.uint32(12)
+    for v in range(mask.shape[0]):
+        row, out = image[v], mask[v]
+        for u in range(spans[v, 0], spans[v, 1]):
+            a, b, c = np.uint32(row[u, 0]), np.uint32(row[u, 1]), np.uint32(row[u, 2])
+            out[u] = table[(a >> two) << twelve | (b >> two) << six | c >> two]
+
+
+def response_part(dt: float, time_constant: float) -> float:
+    """Return the part of a step response that has passed after dt; 0 for no time constant."""
+    return 1.0 - math.exp(-dt / time_constant) if time_constant > 0.0 and dt > 0.0 else 0.0

@@ -1,0 +1,125 @@
+"""Keeps the floor's color as the light changes, from a ring on the floor around the robot.
+
+The ring is divided into directions. The color follows slowly what the ring's floor-colored pixels
+show, as long as enough directions have them: an obstacle that the robot touches has another color,
+so its pixels do not count, and it covers the ring only in part. A sudden change of light leaves no
+floor-colored pixel; the color is learned anew only if nearly the whole ring has had one other color
+for a while, which no obstacle can cause.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from floor_perception.color_model import FloorColor, has_color, learn, response_part, shifted
+from floor_perception.config import ColorConfig
+
+_NUM_SECTORS = 24
+_SECTOR_SHARE = 0.5
+_MAX_PIXELS = 3000
+
+
+class ColorTracker:
+    """The floor's color through time.
+
+    Args:
+        config: Shares and times.
+        pixels: Row and column of the ring's pixels, (N, 2).
+        bearings: Their bearing on the floor, (N,), rad.
+        color: To start with; None learns it from the first image.
+
+    Attributes:
+        color: The floor's now; None before it was learned.
+        support: Share of the ring's directions that showed it last.
+        reason: Why there is no color, or why it does not follow; "" if it does.
+    """
+
+    def __init__(
+        self,
+        config: ColorConfig,
+        pixels: np.ndarray,
+        bearings: np.ndarray,
+        color: FloorColor | None = None,
+    ) -> None:
+        step = max(1, -(-len(pixels) // _MAX_PIXELS))
+        self._config, self._rows, self._columns = config, *pixels[::step].T
+        turn = (bearings[::step] + np.pi) / (2.0 * np.pi)
+        self._sectors = (turn * _NUM_SECTORS).astype(int) % _NUM_SECTORS
+        self._in_sector = np.bincount(self._sectors, minlength=_NUM_SECTORS)
+        self.color, self.support, self.reason = color, 0.0, "no image yet"
+        self._seen_ns: int | None = None
+        self._other_since_ns: int | None = None
+
+    def forget(self) -> None:
+        """Forget how much time has passed: stamps jumped back."""
+        self._seen_ns = self._other_since_ns = None
+
+    def update(self, image: np.ndarray, order: str, stamp_ns: int) -> bool:
+        """Look at an image.
+
+        Args:
+            image: (H, W, 3), uint8.
+            order: Of its channels: `rgb` or `bgr`.
+            stamp_ns: When it was taken.
+
+        Returns:
+            Whether the color changed.
+        """
+        ring = image[self._rows, self._columns]
+        colors = ring if order == "rgb" else ring[:, ::-1]
+        dt = 0.0 if self._seen_ns is None else 1e-9 * (stamp_ns - self._seen_ns)
+        self._seen_ns = stamp_ns
+        if self.color is None:
+            return self._adopt(colors, self._config.ring_share)
+        is_floor = has_color(self.color, colors, self._config)
+        self.support = self._support_of(is_floor)
+        if self.support >= self._config.ring_share:
+            self._other_since_ns, self.reason = None, ""
+            return self._follow(colors[is_floor], dt)
+        self.reason = f"only {self.support:.0%} of the ring around the robot has the floor's color"
+        return self._relearn(colors, stamp_ns)
+
+    def _follow(self, colors: np.ndarray, dt: float) -> bool:
+        part = response_part(dt, self._config.adapt_s)
+        if part == 0.0 or self.color is None:
+            return False
+        try:
+            self.color = shifted(self.color, learn(colors, self._config), part)
+        except ValueError:
+            return False
+        return True
+
+    def _relearn(self, colors: np.ndarray, stamp_ns: int) -> bool:
+        """Learn anew once nearly all of the ring has shared another color for long enough."""
+        if self._config.relearn_s == 0.0 or not self._shares_one(colors):
+            self._other_since_ns = None
+            return False
+        if self._other_since_ns is None:
+            self._other_since_ns = stamp_ns
+        waited = 1e-9 * (stamp_ns - self._other_since_ns)
+        return waited >= self._config.relearn_s and self._adopt(colors, 0.0)
+
+    def _shares_one(self, colors: np.ndarray) -> bool:
+        try:
+            other = learn(colors, self._config)
+        except ValueError:
+            return False
+        share = self._support_of(has_color(other, colors, self._config))
+        return share >= self._config.relearn_share
+
+    def _adopt(self, colors: np.ndarray, share: float) -> bool:
+        try:
+            self.color = learn(colors, self._config, share)
+        except ValueError as error:
+            self.reason = f"the floor's color is not known: {error}"
+            return False
+        self.support = self._support_of(has_color(self.color, colors, self._config))
+        self._other_since_ns, self.reason = None, ""
+        return True
+
+    def _support_of(self, is_floor: np.ndarray) -> float:
+        """Return the share of directions half of whose pixels are floor."""
+        floor = np.bincount(self._sectors, is_floor, minlength=_NUM_SECTORS)
+        is_looked_at = self._in_sector > 0
+        is_floor_there = floor >= _SECTOR_SHARE * self._in_sector
+        return float(is_floor_there[is_looked_at].mean()) if is_looked_at.any() else 0.0
