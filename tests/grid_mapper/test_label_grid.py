@@ -1,7 +1,6 @@
 """The published label grid against the definition of its sectors, cell by cell."""
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -187,9 +186,7 @@ def test_wide_sectors_at_long_range_label_their_cells_and_no_others(width, yaw):
 def test_the_widest_sector_ends_whatever_its_direction(yaw):
     config = LabelGridConfig(beam_angle_rad=math.nextafter(0.5 * math.pi, 0.0))
     grid = LabelGrid(config, RESOLUTION)
-    started = time.perf_counter()
     grid.add_scan(Scan(np.full(4, 2.0), 0.0, 0.5 * math.pi, 0.1, 5.0), SE2(0.01, 0.02, yaw))
-    assert time.perf_counter() - started < 10.0
     num_cells = np.count_nonzero(grid._grid.dense("labels")[0])
     assert num_cells == pytest.approx(math.pi * (2.05 / RESOLUTION) ** 2, rel=0.02)
 

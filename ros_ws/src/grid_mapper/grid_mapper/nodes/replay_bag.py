@@ -7,7 +7,6 @@ import shlex
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import rclpy
@@ -27,16 +26,12 @@ from grid_mapper.recordings.playback import (
     messages_within,
     play_window,
 )
+from grid_mapper.recordings.replay_pace import LONGEST_SLEEP_S, ReplayPace, Stopped
 
 DEFAULT_CLOCK_HZ = 100.0
-LONGEST_SLEEP_S = 0.05
 SETTLE_S = 0.5
 MATCHED_S = 0.2
 """The other side finds the match a little later than we do."""
-
-
-class Stopped(Exception):  # noqa: N818, not an error
-    """Ctrl-C or SIGTERM came."""
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -87,45 +82,6 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
-@dataclass
-class Pace:
-    """When recorded times are due: the start of the window is due at `began_s`."""
-
-    window: PlayWindow
-    rate: float
-    clock_hz: float
-    began_s: float
-
-    def due_s(self, recorded_ns: int) -> float:
-        """Return when a recorded time is due on the monotonic clock."""
-        return self.began_s + (recorded_ns - self.window.start_ns) * 1e-9 / self.rate
-
-    def recorded_ns(self, now_s: float) -> int:
-        """Return the recorded time that is due now."""
-        return self.window.start_ns + round((now_s - self.began_s) * self.rate * 1e9)
-
-    def wait_for(
-        self, recorded_ns: int, tick: Callable[[int], None], should_stop: Callable[[], bool]
-    ) -> None:
-        """Sleep until a recorded time is due, and let the clock tick meanwhile.
-
-        Raises:
-            Stopped: If asked to stop.
-        """
-        due_s = self.due_s(recorded_ns)
-        period_s = 1.0 / self.clock_hz if self.clock_hz > 0.0 else LONGEST_SLEEP_S
-        while not should_stop():
-            now_s = time.monotonic()
-            if now_s >= due_s:
-                return
-            num_ticks = int((now_s - self.began_s) / period_s) + 1
-            next_tick_s = self.began_s + num_ticks * period_s
-            time.sleep(max(0.0, min(due_s, next_tick_s, now_s + LONGEST_SLEEP_S) - now_s))
-            if time.monotonic() >= next_tick_s:
-                tick(min(self.recorded_ns(time.monotonic()), recorded_ns))
-        raise Stopped
-
-
 def _play(
     node: BagPlayerNode,
     bag: Bag,
@@ -170,7 +126,8 @@ def _play_rounds(
     length_s = (window.end_ns - window.start_ns) * 1e-9
     with Progress("replaying", length_s, is_quiet=args.quiet) as progress:
         while True:
-            pace = Pace(window, args.rate, args.clock, time.monotonic())
+            clocks = time.monotonic(), time.monotonic, time.sleep
+            pace = ReplayPace(window, args.rate, args.clock, *clocks)
             node.tick(window.start_ns)
             num_played = 0
             for message in _in_time(bag, node.playable, pace, tick, should_stop):
@@ -189,7 +146,7 @@ def _play_rounds(
 def _in_time(
     bag: Bag,
     playable: list[str],
-    pace: Pace,
+    pace: ReplayPace,
     tick: Callable[[int], None],
     should_stop: Callable[[], bool],
 ) -> Iterator[Message]:
