@@ -36,6 +36,74 @@ class Rays(NamedTuple):
     refine_above: float
 
 
+class Bundle(NamedTuple):
+    """Some pixels' rays, as kernels take them.
+
+    Attributes:
+        directions: Of the rays of all pixels, (P, S, 3).
+        chosen: The N pixels that count, in tile order.
+        tile_starts: First of `chosen` in each tile, (T + 1,).
+        tile_axes: Of `Rays`.
+        tile_spreads: Of `Rays`.
+        patch: Of `Rays`.
+        pixels: Of `Rays`.
+    """
+
+    directions: np.ndarray
+    chosen: np.ndarray
+    tile_starts: np.ndarray
+    tile_axes: np.ndarray
+    tile_spreads: np.ndarray
+    patch: np.ndarray
+    pixels: np.ndarray
+
+
+class RayEnds(NamedTuple):
+    """Where the rays of a bundle end, all (N, S).
+
+    Attributes:
+        depth: How far each goes, m; inf if it meets nothing.
+        hits: The shape it ends on; -1 for floor, ceiling or nothing.
+        veils: How many panes it passes.
+        is_shaded: True if the lamp does not reach its end.
+    """
+
+    depth: np.ndarray
+    hits: np.ndarray
+    veils: np.ndarray
+    is_shaded: np.ndarray
+
+
+def coarse_bundle(rays: Rays) -> Bundle:
+    """Return one ray of every pixel."""
+    every = np.arange(len(rays.pixels))
+    return Bundle(
+        rays.middles,
+        every,
+        rays.tile_starts,
+        rays.tile_axes,
+        rays.tile_spreads,
+        rays.patch,
+        rays.pixels,
+    )
+
+
+def fine_bundle(rays: Rays, is_wanted: np.ndarray) -> Bundle:
+    """Return all rays of the pixels that are wanted, (height, width)."""
+    chosen = np.flatnonzero(is_wanted.ravel()[rays.pixels])
+    starts = np.searchsorted(chosen, rays.tile_starts)
+    return Bundle(
+        rays.directions, chosen, starts, rays.tile_axes, rays.tile_spreads, rays.patch, rays.pixels
+    )
+
+
+def empty_ends(bundle: Bundle) -> RayEnds:
+    """Return room for where a bundle's rays end; nothing is in shadow."""
+    shape = len(bundle.chosen), bundle.directions.shape[1]
+    hits, veils = np.empty(shape, np.int64), np.empty(shape, np.uint8)
+    return RayEnds(np.empty(shape), hits, veils, np.zeros(shape, np.bool_))
+
+
 def sorted_rays(directions: np.ndarray, is_seen: np.ndarray, refine_above: float) -> Rays:
     """Sort a camera's rays into tiles.
 

@@ -54,7 +54,7 @@ class Cameras:
 
     def __init__(self, name: str, model: RobotModel, scene: Scene, seed: int) -> None:
         self._name, self._scene = name, scene
-        scene.light_at(pinhole_rays(1, 1, 1.0, 1), np.eye(4))  # compiles, if it is not yet
+        scene.light_at(pinhole_rays(1, 1, 1.0, 2, 0.0), np.eye(4))  # compiles, if it is not yet
         omni, stereo = model.config.omni, model.config.stereo
         self._omni: _Camera | None = None
         self._stereo: dict[str, tuple[_Camera, _Camera]] = {}

@@ -134,7 +134,7 @@ def _cast(  # type: ignore[no-untyped-def]
         sx, sy, sz = starts[n, 0], starts[n, 1], starts[n, 2]
         dx, dy, dz = ends[n, 0] - sx, ends[n, 1] - sy, ends[n, 2] - sz
         length2 = max(dx * dx + dy * dy + dz * dz, 1e-18)
-        best, first = 1.0, -1
+        length, best, first = np.sqrt(length2), 1.0, len(kinds)
         for i in seen:
             mx, my, mz = middles[i, 0] - sx, middles[i, 1] - sy, middles[i, 2] - sz
             along = mx * dx + my * dy + mz * dz
@@ -144,11 +144,13 @@ def _cast(  # type: ignore[no-untyped-def]
                 continue
             ox, oy, oz = turned(places, i, -mx, -my, -mz)
             rx, ry, rz = turned(places, i, dx, dy, dz)
-            share = _met(kinds[i], places, i, ox, oy, oz, rx, ry, rz, length2)
+            hx, hy, hz = places[i, HALF], places[i, HALF + 1], places[i, HALF + 2]
+            rx, ry, rz = rx / length, ry / length, rz / length
+            share = meet(kinds[i], hx, hy, hz, ox, oy, oz, rx, ry, rz) / length
             if share < best:
                 best, first = share, i
-        shares[n] = best if first >= 0 else np.inf
-        if first >= 0:
+        shares[n] = best if first < len(kinds) else np.inf
+        if first < len(kinds):
             x, y, z = sx + best * dx, sy + best * dy, sz + best * dz
             _write_normal(kinds[first], places, middles, first, x, y, z, normals, n)
 
@@ -163,10 +165,3 @@ def _write_normal(  # type: ignore[no-untyped-def]
     a, b, c = normal_at(kind, hx, hy, hz, px, py, pz)
     for k in range(3):
         normals[n, k] = places[i, k] * a + places[i, 3 + k] * b + places[i, 6 + k] * c
-
-
-@numba.njit(cache=True, error_model="numpy", inline="always")
-def _met(kind, places, i, ox, oy, oz, dx, dy, dz, length2):  # type: ignore[no-untyped-def]
-    """Return the share of a ray's length at which it enters a shape; inf if it does not."""
-    length = np.sqrt(length2)
-    return meet(kind, places, i, ox, oy, oz, dx / length, dy / length, dz / length) / length

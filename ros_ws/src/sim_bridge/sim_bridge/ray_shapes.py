@@ -30,17 +30,33 @@ def turned(places, i, x, y, z):  # type: ignore[no-untyped-def]
     return a, b, c
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
-def meet(kind, places, i, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
-    """Return the distance along a ray in the axes of shape i at which it enters; inf if not."""
+@numba.njit(cache=True, error_model="numpy")
+def meet(kind, hx, hy, hz, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """Return the distance at which a ray enters a shape; inf if it does not.
+
+    Args:
+        kind: As in `shape_kinds`.
+        hx: Half extents of the shape, with hy and hz.
+        hy: See hx.
+        hz: See hx.
+        ox: Start of the ray in the shape's axes, with oy and oz.
+        oy: See ox.
+        oz: See ox.
+        dx: Its direction, with dy and dz.
+        dy: See dx.
+        dz: See dx.
+    """
     if kind == BOX:
-        return _meet_box(places, i, ox, oy, oz, dx, dy, dz)
-    radius, tall = places[i, HALF], places[i, HALF + 2]
+        xn, xf = _slab(ox, dx, hx)
+        yn, yf = _slab(oy, dy, hy)
+        zn, zf = _slab(oz, dz, hz)
+        near = max(xn, max(yn, zn))
+        return near if 0.0 < near <= min(xf, min(yf, zf)) else _NONE
     if kind == CYLINDER:
-        return _meet_cylinder(radius, tall, ox, oy, oz, dx, dy, dz)
+        return _meet_cylinder(hx, hz, ox, oy, oz, dx, dy, dz)
     if kind == SPHERE:
-        return _meet_sphere(radius, ox, oy, oz, dx, dy, dz)
-    return _meet_cone(radius, tall, ox, oy, oz, dx, dy, dz)
+        return _meet_sphere(hx, ox, oy, oz, dx, dy, dz)
+    return _meet_cone(hx, hz, ox, oy, oz, dx, dy, dz)
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
@@ -50,15 +66,6 @@ def _slab(o, d, half):  # type: ignore[no-untyped-def]
         return (-np.inf, np.inf) if abs(o) <= half else (np.inf, -np.inf)
     a, b = (-half - o) / d, (half - o) / d
     return min(a, b), max(a, b)
-
-
-@numba.njit(cache=True, error_model="numpy", inline="always")
-def _meet_box(places, i, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
-    xn, xf = _slab(ox, dx, places[i, HALF])
-    yn, yf = _slab(oy, dy, places[i, HALF + 1])
-    zn, zf = _slab(oz, dz, places[i, HALF + 2])
-    near = max(xn, max(yn, zn))
-    return near if 0.0 < near <= min(xf, min(yf, zf)) else _NONE
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -165,9 +172,12 @@ def entry_bound(places, i, dx, dy, dz, spread):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def is_between(places, i, x, y, z, lx, ly, lz, reach):  # type: ignore[no-untyped-def]
-    """Tell whether shape i may stand between a point, or any within `reach`, and the lamp (l)."""
-    xn, xf = _slab(x, lx, places[i, HALF] + reach)
-    yn, yf = _slab(y, ly, places[i, HALF + 1] + reach)
-    zn, zf = _slab(z, lz, places[i, HALF + 2] + reach)
+def is_between(hx, hy, hz, x, y, z, lx, ly, lz, reach):  # type: ignore[no-untyped-def]
+    """Tell whether the box of half extents h may stand between a point and the lamp.
+
+    The point is (x, y, z) in the box's axes, or any within `reach`; the lamp is towards l.
+    """
+    xn, xf = _slab(x, lx, hx + reach)
+    yn, yf = _slab(y, ly, hy + reach)
+    zn, zf = _slab(z, lz, hz + reach)
     return max(max(xn, 0.0), max(yn, zn)) <= min(xf, min(yf, zf))

@@ -11,15 +11,16 @@ is thinner than a pixel and falls between the middles of all pixels near it is s
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Executor
 
 import numba
 import numpy as np
 
-from sim_bridge.camera_rays import TILE_PX, Rays
-from sim_bridge.ray_shapes import entry_bound, meet, turned
+from sim_bridge.camera_rays import Bundle, Rays, coarse_bundle, empty_ends, fine_bundle
+from sim_bridge.ray_shapes import HALF, entry_bound, meet, turned
 from sim_bridge.shading import Ground, Lighting, Shapes, shade
-from sim_bridge.shadows import cast_shadows, shading_shapes
+from sim_bridge.shadows import cast_shadows
 from sim_bridge.textures import TextureAtlas
 
 
@@ -46,29 +47,40 @@ def render(
         num_threads: How many share the tiles.
     """
     image = np.zeros((*rays.is_seen.shape, 3), dtype=np.float32)
-    lamp = T_world_camera[:3, :3].T @ np.array(lighting.direction)
+    T = np.ascontiguousarray(T_world_camera)
+    lamp = T[:3, :3].T @ np.array(lighting.direction)
     lamps = shapes.places[:, :9].reshape(-1, 3, 3) @ lamp
-    pose = np.ascontiguousarray(T_world_camera)
-    arguments = (
-        rays.patch, rays.pixels, rays.tile_starts, rays.tile_axes, rays.tile_spreads, pose,
-        shapes.places, shapes.kinds, shapes.textures, shapes.is_glass, lamps, ground, lighting,
-        atlas.texels, atlas.levels, atlas.texel_sizes, image.reshape(-1, 3),
-    )  # fmt: skip
 
-    def draw(directions: np.ndarray, is_wanted: np.ndarray) -> None:
-        if pool is None:
-            _draw(0, 1, directions, is_wanted, *arguments)
-        else:
-            jobs = (pool.submit(_draw, k, num_threads, directions, is_wanted, *arguments)
-                    for k in range(num_threads))  # fmt: skip
-            for job in list(jobs):
-                job.result()
+    def draw(bundle: Bundle) -> None:
+        ends = empty_ends(bundle)
+
+        def draw_part(start: int, step: int) -> None:
+            _end_rays(start, step, bundle, T, shapes, ground.ceiling, ends)
+            if lighting.shadow > 0.0:
+                cast_shadows(start, step, bundle, shapes, lamps, ends)
+
+        def color_part(start: int, step: int) -> None:
+            shade(
+                start, step, bundle, T, shapes, lamps, ground, lighting, atlas, ends,
+                image.reshape(-1, 3),
+            )  # fmt: skip
+
+        _in_parts(pool, num_threads, draw_part)
+        _in_parts(pool, num_threads, color_part)
 
     if rays.refine_above >= 0.0 or rays.directions.shape[1] == 1:
-        draw(rays.middles, np.ones(rays.is_seen.shape, dtype=bool))
+        draw(coarse_bundle(rays))
     if rays.directions.shape[1] > 1:
-        draw(rays.directions, _uneven(image, rays.is_seen, rays.refine_above))
+        draw(fine_bundle(rays, _uneven(image, rays.is_seen, rays.refine_above)))
     return image
+
+
+def _in_parts(pool: Executor | None, num: int, do: Callable[[int, int], None]) -> None:
+    """Call do(k, num) for all k < num, all at once if there is a pool."""
+    if pool is None:
+        do(0, 1)
+    else:
+        list(pool.map(do, range(num), [num] * num))
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -87,45 +99,42 @@ def _uneven(image, is_seen, most):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def _draw(  # type: ignore[no-untyped-def]
-    start, step, directions, is_wanted, patch, pixels, tile_starts, tile_axes, tile_spreads, T,
-    places, kinds, textures, is_glass, lamps, ground, lighting, texels, levels, texel_sizes, image,
-):  # fmt: skip
-    """Draw the wanted pixels of every `step`th tile from `start` on, each with all its rays."""
-    num_rays = directions.shape[1]
-    most = TILE_PX * TILE_PX * num_rays
-    near, depth, veils = np.empty(len(kinds)), np.empty(most), np.empty(most)
-    hits, shadows = np.empty(most, np.int64), np.zeros(most, np.bool_)
-    listed, chosen = np.empty(len(kinds), np.int64), np.empty(TILE_PX * TILE_PX, np.int64)
-    colors, wanted = np.empty((most, 3)), is_wanted.reshape(-1)
-    for tile in range(start, len(tile_spreads), step):
-        num = 0
-        for p in range(tile_starts[tile], tile_starts[tile + 1]):
-            if wanted[pixels[p]]:
-                chosen[num] = p
-                num += 1
-        if num == 0:
-            continue
-        count = _reached(tile_axes, tile_spreads, tile, places, near, listed)
-        _end_rays(
-            directions, chosen, num, T, places, kinds, is_glass, ground.ceiling, listed, count,
-            near, depth, hits, veils,
-        )  # fmt: skip
-        if lighting.shadow > 0.0:
-            count = shading_shapes(directions, chosen, num, depth, places, is_glass, lamps, listed)
-            cast_shadows(
-                directions, chosen, num, depth, hits, places, kinds, lamps, listed, count, shadows
-            )
-        shade(
-            directions, chosen, num, depth, hits, veils, shadows, patch, T, places, kinds,
-            textures, lamps, ground, lighting, texels, levels, texel_sizes, colors,
-        )  # fmt: skip
-        for j in range(num):
-            for c in range(3):
-                total = 0.0
-                for k in range(j * num_rays, (j + 1) * num_rays):
-                    total += colors[k, c]
-                image[pixels[chosen[j]], c] = total / num_rays
+def _end_rays(start, step, bundle, T, shapes, ceiling, ends):  # type: ignore[no-untyped-def]
+    """Fill in where each ray ends and what it passes, in every `step`th tile from `start` on."""
+    directions, chosen, tile_starts = bundle.directions, bundle.chosen, bundle.tile_starts
+    axes, spreads = bundle.tile_axes, bundle.tile_spreads
+    places, kinds, is_glass = shapes.places, shapes.kinds, shapes.is_glass
+    depth, hits, veils = ends.depth, ends.hits, ends.veils
+    near, listed = np.empty(len(kinds)), np.empty(len(kinds), np.int64)
+    for tile in range(start, len(spreads), step):
+        first, end = tile_starts[tile], tile_starts[tile + 1]
+        count = 0 if first == end else _reached(axes, spreads, tile, places, near, listed)
+        for n in range(first, end):
+            for s in range(directions.shape[1]):
+                x, y, z = directions[chosen[n], s]
+                up = T[2, 0] * x + T[2, 1] * y + T[2, 2] * z
+                best, hit, panes = np.inf, -1, 0
+                if up < 0.0:
+                    best = -T[2, 3] / up
+                elif up > 0.0 and ceiling < np.inf:
+                    best = (ceiling - T[2, 3]) / up
+                for glass in (False, True):
+                    for k in range(count):
+                        i = listed[k]
+                        if near[i] > best:
+                            break
+                        if is_glass[i] != glass:
+                            continue
+                        dx, dy, dz = turned(places, i, x, y, z)
+                        hx, hy, hz = places[i, HALF], places[i, HALF + 1], places[i, HALF + 2]
+                        ox, oy, oz = places[i, 9], places[i, 10], places[i, 11]
+                        t = meet(kinds[i], hx, hy, hz, ox, oy, oz, dx, dy, dz)
+                        if t < best:
+                            if glass:
+                                panes += 1
+                            else:
+                                best, hit = t, i
+                depth[n, s], hits[n, s], veils[n, s] = best, hit, panes
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
@@ -145,36 +154,3 @@ def _reached(axes, spreads, tile, places, near, listed):  # type: ignore[no-unty
         listed[k] = i
         count += 1
     return count
-
-
-@numba.njit(cache=True, error_model="numpy", inline="always")
-def _end_rays(  # type: ignore[no-untyped-def]
-    directions, chosen, num, T, places, kinds, is_glass, ceiling, listed, count, near, depth, hits,
-    veils,
-):  # fmt: skip
-    """Fill in where each ray of a tile ends, on what (-1: no shape), behind how many panes."""
-    num_rays = directions.shape[1]
-    for ray in range(num * num_rays):
-        x, y, z = directions[chosen[ray // num_rays], ray % num_rays]
-        up = T[2, 0] * x + T[2, 1] * y + T[2, 2] * z
-        best, hit, panes = np.inf, -1, 0.0
-        if up < 0.0:
-            best = -T[2, 3] / up
-        elif up > 0.0 and ceiling < np.inf:
-            best = (ceiling - T[2, 3]) / up
-        for glass in (False, True):
-            for k in range(count):
-                i = listed[k]
-                if near[i] > best:
-                    break
-                if is_glass[i] != glass:
-                    continue
-                dx, dy, dz = turned(places, i, x, y, z)
-                ox, oy, oz = places[i, 9], places[i, 10], places[i, 11]
-                t = meet(kinds[i], places, i, ox, oy, oz, dx, dy, dz)
-                if t < best:
-                    if glass:
-                        panes += 1.0
-                    else:
-                        best, hit = t, i
-        depth[ray], hits[ray], veils[ray] = best, hit, panes

@@ -70,65 +70,63 @@ class Lighting(NamedTuple):
     shadow: float
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
-def shade(  # type: ignore[no-untyped-def]
-    directions, chosen, num, depth, hits, veils, shadows, patch, T, places, kinds, textures, lamps,
-    ground, lighting, texels, levels, texel_sizes, colors,
-):  # fmt: skip
-    """Write the color (r, g, b) that each ray of some pixels brings home.
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def shade(start, step, bundle, T, shapes, lamps, ground, lighting, atlas, ends, image):  # type: ignore[no-untyped-def]
+    """Write the mean color (r, g, b) that the rays of each pixel bring home.
 
-    One function for a whole tile: handing arrays to a function of one ray costs more than the ray.
+    One function for all rays: handing arrays to a function of one ray costs more than the ray.
 
     Args:
-        directions: Of the rays in the camera's frame, (P, S, 3).
-        chosen: The pixels, of which the first `num` count.
-        num: See chosen.
-        depth: Where each ray of those pixels ends, m; pixel by pixel, as all that follow.
-        hits: The shape it ends on; -1 for floor, ceiling or nothing.
-        veils: How many panes it passed.
-        shadows: True if the lamp does not reach its end.
-        patch: Root of the solid angle of each pixel, (P,), rad.
+        start: The first pixel of the bundle that is written.
+        step: How many pixels further the next one is.
+        bundle: A `Bundle`.
         T: `T_world_camera`.
-        places: Of `Shapes`, as kinds and textures.
-        kinds: See places.
-        textures: See places.
+        shapes: A `Shapes`.
         lamps: Direction to the lamp in each shape's axes.
         ground: Floor and ceiling.
         lighting: The lamp.
-        texels: Of the atlas, as levels and texel_sizes.
-        levels: See texels.
-        texel_sizes: See texels.
-        colors: What is written, one row a ray.
+        atlas: Textures.
+        ends: A `RayEnds`.
+        image: What is written, one row a pixel.
     """
+    directions, chosen, patch, pixels = (
+        bundle.directions, bundle.chosen, bundle.patch, bundle.pixels
+    )  # fmt: skip
+    places, kinds, textures = shapes.places, shapes.kinds, shapes.textures
+    texels, levels, texel_sizes = atlas.texels, atlas.levels, atlas.texel_sizes
+    depth, hits, veils, is_shaded = ends.depth, ends.hits, ends.veils, ends.is_shaded
     num_rays = directions.shape[1]
     share = 1.0 / math.sqrt(num_rays)
-    for k in range(num * num_rays):
-        p = chosen[k // num_rays]
-        x, y, z = directions[p, k % num_rays]
-        t, i, edge = depth[k], hits[k], depth[k] * share * patch[p]
-        if i >= 0:
-            texture, r, g, b, lit, u, v, edge = _shape_at(
-                x, y, z, t, edge, i, kinds, places, textures, lamps
-            )
-        elif t == np.inf:
-            (r, g, b), lit, texture, u, v = ground.sky_color, 1.0, -1, 0.0, 0.0
-        else:
-            texture, r, g, b, lit, u, v, edge = _plane_at(
-                x, y, z, t, edge, T, ground, levels, texel_sizes
-            )
-            lit *= lighting.direction[2]
-        if texture >= 0:
-            red, green, blue = sample(texels, levels, texel_sizes, texture, u, v, edge, i >= 0)
-            r, g, b = r * red, g * green, b * blue
-        if shadows[k]:
-            lit *= 1.0 - lighting.shadow
-        strength, sheen = lighting.ambient + (1.0 - lighting.ambient) * lit, 0.0
-        if veils[k] > 0.0:
-            through = (1.0 - _PANE_SHARE) ** veils[k]
-            strength, sheen = through * strength, (1.0 - through) * _SHEEN
-        colors[k, 0] = lighting.color[0] * (strength * r + sheen)
-        colors[k, 1] = lighting.color[1] * (strength * g + sheen)
-        colors[k, 2] = lighting.color[2] * (strength * b + sheen)
+    for n in range(start, len(chosen), step):
+        p, pixel = chosen[n], pixels[chosen[n]]
+        image[pixel] = 0.0
+        for s in range(num_rays):
+            x, y, z = directions[p, s]
+            t, i = depth[n, s], hits[n, s]
+            edge = t * share * patch[p]
+            if i >= 0:
+                texture, r, g, b, lit, u, v, edge = _shape_at(
+                    x, y, z, t, edge, i, kinds, places, textures, lamps
+                )
+            elif t == np.inf:
+                (r, g, b), lit, texture, u, v = ground.sky_color, 1.0, -1, 0.0, 0.0
+            else:
+                texture, r, g, b, lit, u, v, edge = _plane_at(
+                    x, y, z, t, edge, T, ground, levels, texel_sizes
+                )
+                lit *= lighting.direction[2]
+            if texture >= 0:
+                red, green, blue = sample(texels, levels, texel_sizes, texture, u, v, edge, i >= 0)
+                r, g, b = r * red, g * green, b * blue
+            if is_shaded[n, s]:
+                lit *= 1.0 - lighting.shadow
+            strength, sheen = lighting.ambient + (1.0 - lighting.ambient) * lit, 0.0
+            if veils[n, s] > 0:
+                through = (1.0 - _PANE_SHARE) ** veils[n, s]
+                strength, sheen = through * strength, (1.0 - through) * _SHEEN
+            image[pixel, 0] += lighting.color[0] * (strength * r + sheen) / num_rays
+            image[pixel, 1] += lighting.color[1] * (strength * g + sheen) / num_rays
+            image[pixel, 2] += lighting.color[2] * (strength * b + sheen) / num_rays
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
