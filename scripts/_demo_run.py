@@ -15,22 +15,19 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from _demo_domain import refuse_other_clock
-from _demo_report import (
-    figures,
-    in_world,
-    write_overview,
-    write_pictures,
-    write_report,
-    write_tum,
-)
-from _demo_watch import DemoWatch, Heard
+from _demo_pictures import write_first_images, write_overview, write_pictures
+from _demo_report import figures, in_world, write_report, write_tum
+from _demo_surface import visible_surface
+from _demo_watch import DemoWatch, Heard, Liveness
 from _processes import ChildDiedError, Processes
 from _saying import saying
 from floornav_common.reporting import Progress, say
 from floornav_common.ros.main import make_executor
+from floornav_common.transform3 import Transform3
+from sim_bridge.laser import beam_angles
 from sim_bridge.robot_model import load_robot
 from sim_bridge.simulation import Simulation
-from sim_bridge.solids import solids_of
+from sim_bridge.solids import Solid, solids_of
 from sim_bridge.world import World
 
 _SCRIPTS = Path(__file__).resolve().parent
@@ -39,7 +36,6 @@ _RECORDED = (
     "/ground_truth/odom", "/ground_truth/contact",
 )  # fmt: skip
 _START_TIMEOUT_S = 180.0
-_STALL_S = 20.0
 _LONGEST_S = 300.0
 
 
@@ -90,7 +86,7 @@ class Demo:
     def results(self) -> dict[str, Any]:
         """Return this run's keys of the summary."""
         surfaces = [s for s in solids_of(self._world) if s.is_at_height(self._laser_height())]
-        found = figures(self._heard, self._start, surfaces, self._wall_s)
+        found = figures(self._heard, self._start, surfaces, self._visible(surfaces), self._wall_s)
         bag = self._out / "bag"
         is_there = bag.is_dir() and any(bag.iterdir())
         return {
@@ -109,9 +105,10 @@ class Demo:
         write_pictures(self._out, self._heard, self._start, solids, self._laser_height())
         simulation = Simulation(self._world, seed=self._args.seed)
         write_overview(self._out / "world.png", simulation.overview())
+        images = write_first_images(self._out, simulation)
         simulation.close()
         title = f"floornav demo: {self._world.description or self._world.name}"
-        write_report(self._out, title, values, self.problem)
+        write_report(self._out, title, values, self.problem, images)
 
     def _drive(self, children: Processes, watch: DemoWatch, spin: Callable[[], None]) -> None:
         # The simulator comes last, and its time begins when all others listen.
@@ -182,6 +179,15 @@ class Demo:
             share = max(share, self._heard.sim_s / self._args.duration)
         return 100.0 * min(share, 1.0)
 
+    def _visible(self, surfaces: list[Solid]) -> np.ndarray:
+        """Return points of the surfaces that the laser could see on its true way."""
+        model = load_robot(self._world.robots[0])
+        laser = model.config.laser
+        assert laser is not None
+        mount = Transform3(model.mounts[laser.frame]).to_se2()
+        poses = [pose @ mount for _, pose in self._heard.truth]
+        return visible_surface(surfaces, poses, beam_angles(laser), laser.range_max_m)
+
     def _laser_height(self) -> float:
         model = load_robot(self._world.robots[0])
         assert model.config.laser is not None
@@ -211,30 +217,6 @@ class Demo:
                 pace_lag_s="0.12",
             ),
         }
-
-
-class Liveness:
-    """Raises once a number that should grow has stood still for too long.
-
-    Args:
-        what: Name of what should go on, for the error.
-    """
-
-    def __init__(self, what: str) -> None:
-        self._what = what
-        self._value: float | None = None
-        self._since = 0.0
-
-    def look(self, now: float, value: float) -> None:
-        """Take in the number at a time (s).
-
-        Raises:
-            ChildDiedError: It stood still for `_STALL_S`.
-        """
-        if value != self._value:
-            self._value, self._since = value, now
-        elif now - self._since > _STALL_S:
-            raise ChildDiedError(f"{self._what} stood still for {_STALL_S:.0f} s; see logs/")
 
 
 def _node(module: str, **parameters: str) -> list[str]:

@@ -7,7 +7,6 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,19 +15,18 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from _demo_domain import refuse_other_clock
-from _demo_report import write_overview
+from _demo_pictures import write_overview
 from _processes import ChildDiedError, Processes
 from _saying import saying
 from _tour_drivers import Driver
 from _tour_report import write_images, write_page, write_plan
+from _tour_ride import ride
 from _tour_watch import TourWatch
 from floornav_common.reporting import Progress, say
 from floornav_common.ros.main import make_executor
-from floornav_common.scan import Scan
 from sim_bridge.robot_model import load_robot
-from sim_bridge.simulation import STEP_NS, Simulation
-from sim_bridge.solids import solids_of
 from sim_bridge.world import World
+from sim_bridge.world_picture import without_cameras
 
 DEFAULT_S = 20.0
 _PICTURE_S = 6.0
@@ -104,9 +102,7 @@ class Tour:
     def write(self, values: dict[str, Any]) -> None:
         """Write pictures and the page."""
         assert self._heard is not None
-        write_plan(
-            self._out / "plan.png", self._world, solids_of(self._world), self._models, self._heard
-        )
+        write_plan(self._out / "plan.png", self._world, self._models, self._heard)
         self._write_world()
         images = write_images(self._out, self._heard.robots)
         title = f"floornav demo: {self._world.description or self._world.name}"
@@ -114,24 +110,11 @@ class Tour:
 
     def _write_world(self) -> None:
         """Draw the world in the midst of such a drive (driven again, without ROS and cameras)."""
-        without = {"omni": None, "stereo": None}
-        robots = tuple(
-            replace(placed, overrides={**placed.overrides, **without})
-            for placed in self._world.robots
-        )
-        simulation = Simulation(replace(self._world, robots=robots), seed=self._args.seed)
-        drivers = {name: Driver(self._world, model) for name, model in self._models.items()}
-        scans: dict[str, Scan | None] = dict.fromkeys(self._models)
-        poses = dict(simulation.starts)
+        ridden = ride(without_cameras(self._world), _PICTURE_S, self._args.seed)
         try:
-            for _ in range(round(_PICTURE_S * 1e9 / STEP_NS)):
-                commands = {n: driver.command(poses[n], scans[n]) for n, driver in drivers.items()}
-                for name, seen in simulation.step(commands).robots.items():
-                    poses[name] = seen.ground_truth.pose
-                    scans[name] = seen.scan or scans[name]
-            write_overview(self._out / "world.png", simulation.overview())
+            write_overview(self._out / "world.png", ridden.simulation.overview())
         finally:
-            simulation.close()
+            ridden.simulation.close()
 
     def _start(self, children: Processes, spin: Callable[[], None]) -> None:
         say("starting the nodes ...", is_quiet=self._args.quiet)

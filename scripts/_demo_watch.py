@@ -11,11 +11,13 @@ from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.node import Node
 from std_msgs.msg import Bool
 
+from _processes import ChildDiedError
 from floornav_common.grid import OccupancyMap
 from floornav_common.ros.messages import grid_from_msg, pose_to_se2, stamp_to_ns
 from floornav_common.ros.qos import LATCHED_QOS, RELIABLE_QOS
 from floornav_common.se2 import SE2
 
+_STALL_S = 20.0
 Track = list[tuple[int, SE2]]
 
 
@@ -92,3 +94,27 @@ class DemoWatch(Node):
         if msg.data and not self.heard.has_touched:
             self.heard.has_touched = True
             self.heard.touched_at = self.heard.truth[-1][1] if self.heard.truth else None
+
+
+class Liveness:
+    """Raises once a number that should grow has stood still for too long.
+
+    Args:
+        what: Name of what should go on, for the error.
+    """
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._value: float | None = None
+        self._since = 0.0
+
+    def look(self, now: float, value: float) -> None:
+        """Take in the number at a time (s).
+
+        Raises:
+            ChildDiedError: It stood still for `_STALL_S`.
+        """
+        if value != self._value:
+            self._value, self._since = value, now
+        elif now - self._since > _STALL_S:
+            raise ChildDiedError(f"{self._what} stood still for {_STALL_S:.0f} s; see logs/")

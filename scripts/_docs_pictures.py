@@ -15,36 +15,38 @@ from floornav_common.reporting import UserError, say, write_atomic
 MAX_SIDE_PX = 1000
 MAX_BYTES = 150_000
 COLOR_BITS = (5, 4, 3)
+JPEG_QUALITIES = (85, 75, 65)
 MARGIN_PX = 8
 DEMO = Path(__file__).resolve().parent / "demo.py"
 
 
-def write_small(source: Path, target: Path) -> None:
-    """Write a picture smaller: white edges cut off, scaled down, fewer colors.
+def write_small(source: Path, target: Path, max_side_px: int = MAX_SIDE_PX) -> None:
+    """Write a picture smaller: white edges cut off, scaled down; fewer colors, or as a JPEG.
 
     Raises:
-        UserError: If it cannot be read, or stays too large.
+        UserError: If it cannot be read.
+        ValueError: If it stays too large.
     """
     image = cv2.imread(str(source), cv2.IMREAD_COLOR)
     if image is None:
         raise UserError(f"{source} cannot be read as a picture")
-    data = small_png(image)
+    make = small_jpeg if target.suffix == ".jpg" else small_png
+    data = make(image, max_side_px)
     target.parent.mkdir(parents=True, exist_ok=True)
     write_atomic(target, data)
     say(f"written: {target} ({len(data) / 1000:.0f} kB)")
 
 
-def small_png(image: np.ndarray) -> bytes:
+def small_png(image: np.ndarray, max_side_px: int = MAX_SIDE_PX) -> bytes:
     """Return a picture, shape (H, W, 3), uint8, as a PNG within the limits.
 
     Raises:
         ValueError: If it stays larger than 150 kB.
     """
     image = cut_white(image)
-    scale = min(1.0, MAX_SIDE_PX / max(image.shape[:2]))
+    scale = min(1.0, max_side_px / max(image.shape[:2]))
     while scale > 0.3:
-        size = (round(image.shape[1] * scale), round(image.shape[0] * scale))
-        scaled = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+        scaled = _scaled(image, scale)
         for bits in COLOR_BITS:
             data: bytes = cv2.imencode(
                 ".png", with_bits(scaled, bits), [cv2.IMWRITE_PNG_COMPRESSION, 9]
@@ -53,6 +55,26 @@ def small_png(image: np.ndarray) -> bytes:
                 return data
         scale *= 0.85
     raise ValueError(f"a picture of {image.shape[1]} x {image.shape[0]} does not fit 150 kB")
+
+
+def small_jpeg(image: np.ndarray, max_side_px: int = MAX_SIDE_PX) -> bytes:
+    """Return a picture with much texture, shape (H, W, 3), uint8, as a JPEG within the limits.
+
+    Raises:
+        ValueError: If it stays larger than 150 kB.
+    """
+    image = cut_white(image)
+    scaled = _scaled(image, min(1.0, max_side_px / max(image.shape[:2])))
+    for quality in JPEG_QUALITIES:
+        data: bytes = cv2.imencode(".jpg", scaled, [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
+        if len(data) <= MAX_BYTES:
+            return data
+    raise ValueError(f"a picture of {image.shape[1]} x {image.shape[0]} does not fit 150 kB")
+
+
+def _scaled(image: np.ndarray, scale: float) -> np.ndarray:
+    size = (round(image.shape[1] * scale), round(image.shape[0] * scale))
+    return image if scale == 1.0 else cv2.resize(image, size, interpolation=cv2.INTER_AREA)
 
 
 def cut_white(image: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,10 @@ import numpy as np
 from _tour_watch import RobotHeard, TourWatch
 from floornav_common.reporting import Figures, Picture, Section, Table, write_html
 from floornav_common.transform3 import Transform3
-from sim_bridge.drawing import draw_solids
+from sim_bridge.drawing import draw_from_above, extent_of, plain
 from sim_bridge.people.config import PeopleConfig
 from sim_bridge.robot_model import RobotModel
-from sim_bridge.solids import Solid
+from sim_bridge.simulation import Simulation
 from sim_bridge.world import World
 
 _LASER, _SONAR, _PERSON = "#d7301f", "#6a3fb5", "#e0861a"
@@ -24,7 +25,6 @@ _ROBOTS = ("#1a7f4b", "#2b7de0", "#8a5cc2", "#b5651d", "#0f8a8a", "#c2185b", "#5
 def write_plan(
     path: Path,
     world: World,
-    solids: list[Solid],
     models: Mapping[str, RobotModel],
     heard: TourWatch,
 ) -> None:
@@ -35,7 +35,10 @@ def write_plan(
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(11.0, 8.6), layout="constrained")
-    draw_solids(axes, solids, _height_of_laser(models))
+    empty = replace(world, robots=(), people=(), crowd=None)
+    scenery = Simulation(plain(replace(empty, recorded_people=None)))
+    draw_from_above(axes, scenery, extent_of(scenery, _places(heard)))
+    scenery.close()
     _draw_people(axes, heard, world.people_model)
     for number, (name, model) in enumerate(models.items()):
         color = _ROBOTS[number % len(_ROBOTS)]
@@ -133,8 +136,8 @@ def _place(model: RobotModel, frame: str, heard: RobotHeard, stamp_ns: int) -> A
     return pose @ Transform3(model.mounts[frame]).to_se2()
 
 
-def _height_of_laser(models: Mapping[str, RobotModel]) -> float | None:
-    for model in models.values():
-        if model.config.laser is not None:
-            return float(model.mounts[model.config.laser.frame][2, 3])
-    return None
+def _places(heard: TourWatch) -> np.ndarray:
+    """Return where robots and people were, (N, 2), m."""
+    ways = [pose for robot in heard.robots.values() for _, pose in robot.truth]
+    ways += [person for _, people in heard.people for person in people]
+    return np.array([(pose.x, pose.y) for pose in ways]).reshape(-1, 2)

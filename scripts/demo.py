@@ -37,8 +37,8 @@ from sim_bridge.world import World, load_world, world_names
 _KEYS = (
     "world", "sim_s", "rtf", "path_m", "scans", "scans_used", "ate_m", "final_error_m",
     "final_yaw_error_deg", "odometry_ate_m", "odometry_final_error_m",
-    "odometry_final_yaw_error_deg", "map_error_m", "map_error_p95_m", "occupied_cells", "touched",
-    "bag",
+    "odometry_final_yaw_error_deg", "map_error_m", "map_error_p95_m", "map_found_share",
+    "occupied_cells", "touched", "bag",
 )  # fmt: skip
 _TOUR_KEYS = ("world", "sim_s", "rtf", "robots", "people", "bag")
 
@@ -111,8 +111,12 @@ def _print_result(out: Path, values: dict[str, Any], problem: str, *, is_quiet: 
             is_quiet=is_quiet,
         )
     if values.get("map_error_m") is not None:
-        say(f"map: occupied cells lie {values['map_error_m']:.3f} m from true surfaces (mean)",
-            is_quiet=is_quiet)  # fmt: skip
+        found = values["map_found_share"] or 0.0
+        say(
+            f"map: occupied cells lie {values['map_error_m']:.3f} m from true surfaces (mean); "
+            f"{100.0 * found:.1f} % of the surface that the laser could see is in it",
+            is_quiet=is_quiet,
+        )
     say(f"report: {out / 'report.html'}", is_quiet=is_quiet)
 
 

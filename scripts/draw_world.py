@@ -18,9 +18,9 @@ from floornav_common.reporting import (
     say,
     summary,
 )
-from sim_bridge.drawing import write_world_picture
 from sim_bridge.schema import WorldError
 from sim_bridge.world import load_world, world_names
+from sim_bridge.world_picture import write_world_picture
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -34,7 +34,10 @@ def main(argv: list[str] | None = None) -> int:
     with summary(out, command="draw_world", seed=args.seed, values={"worlds": {}}) as values:
         for world in worlds:
             path = out / f"{world.name.replace(':', '-')}.png"
-            num = write_world_picture(path, world, args.seed)
+            try:
+                num = write_world_picture(path, world, args.seed)
+            except WorldError as error:
+                raise UserError(str(error)) from error
             values["worlds"][world.name] = {"picture": path.name, "places": num}
             say(f"{path}: measured from {num} places", is_quiet=args.quiet)
     return 0

@@ -1,7 +1,7 @@
-"""Make again what is generated under docs/: `make_docs.py [parameters] [recordings] [demo]`.
+"""Make again what is generated under docs/: `make_docs.py [PART ...]`.
 
-Without a name all three are made. Recordings that are not there are passed over and keep their
-picture and their row.
+Parts are parameters, recordings, demo and worlds; without a name all are made. Recordings that
+are not there are passed over and keep their picture and their row.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ if __name__ == "__main__":
 from _docs_parameters import parameter_page
 from _docs_pictures import make_demo
 from _docs_recordings import make_recordings
+from _docs_worlds import PAGE, make_worlds, pictures_amiss, worlds_page
 from floornav_common.reporting import UserError, run_command, say, write_atomic
 
 DOCS = ROOT / "docs"
 PARAMETERS = DOCS / "parameters.md"
 DATA = ROOT.parent / "shared" / "data"
-PARTS = ("parameters", "recordings", "demo")
+PARTS = ("parameters", "recordings", "demo", "worlds")
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -33,7 +34,7 @@ def main(argv: list[str] | None = None) -> int:
     if unknown:
         raise UserError(f"unknown part {', '.join(unknown)}; there are: {', '.join(PARTS)}")
     if args.check:
-        return check()
+        return check(args.parts)
     parts = args.parts or list(PARTS)
     if "parameters" in parts:
         write_atomic(PARAMETERS, parameter_page())
@@ -42,17 +43,26 @@ def main(argv: list[str] | None = None) -> int:
         make_recordings(DOCS, args.data)
     if "demo" in parts:
         make_demo(DOCS / "pictures")
+    if "worlds" in parts:
+        make_worlds(DOCS, args.data)
     return 0
 
 
-def check() -> int:
-    """Tell whether docs/parameters.md is what the code says; 1 if it is not."""
-    there = PARAMETERS.read_text(encoding="utf-8") if PARAMETERS.exists() else ""
-    if there == parameter_page():
-        return 0
-    name = PARAMETERS.relative_to(ROOT)
-    print(f"{name} is out of date: run python3 scripts/make_docs.py parameters", file=sys.stderr)
-    return 1
+def check(parts: list[str]) -> int:
+    """Tell whether the pages made from code alone are what the code says; 1 if one is not."""
+    amiss = []
+    for part, page, make in (
+        ("parameters", PARAMETERS, parameter_page),
+        ("worlds", DOCS / PAGE, worlds_page),
+    ):
+        there = page.read_text(encoding="utf-8") if page.exists() else ""
+        if (not parts or part in parts) and there != make():
+            amiss.append((part, f"{page.relative_to(ROOT)} is out of date"))
+    if not parts or "worlds" in parts:
+        amiss += [("worlds", text) for text in pictures_amiss(DOCS)]
+    for part, text in amiss:
+        print(f"{text}: run python3 scripts/make_docs.py {part}", file=sys.stderr)
+    return 1 if amiss else 0
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -60,7 +70,11 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="make_docs.py", description=__doc__)
     add = parser.add_argument
     add("parts", nargs="*", metavar="PART", help=f"what to make: {', '.join(PARTS)} (default: all)")
-    add("--check", action="store_true", help="exit 1 if docs/parameters.md is out of date")
+    add(
+        "--check",
+        action="store_true",
+        help="exit 1 if docs/parameters.md or docs/worlds.md is out of date",
+    )
     add("--data", type=Path, default=DATA, metavar="DIR",
         help="folder of the recordings (default: ../shared/data beside the checkout)")  # fmt: skip
     return parser

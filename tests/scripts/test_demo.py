@@ -21,7 +21,7 @@ TIMEOUT_S = 120.0
 KEYS = (
     "command", "version", "seed", "machine", "python", "packages", "wall_s", "ok", "world",
     "sim_s", "rtf", "path_m", "scans", "scans_used", "ate_m", "final_error_m",
-    "odometry_final_error_m", "map_error_m", "touched", "bag",
+    "odometry_final_error_m", "map_error_m", "map_found_share", "touched", "bag",
 )  # fmt: skip
 
 
@@ -51,6 +51,7 @@ def test_a_short_run_leaves_all_its_results(tmp_path: Path) -> None:
     # Time starts once everybody listens and waits for the mapper, so no scan is lost.
     assert summary["scans"] - summary["scans_used"] <= 1
     assert summary["ate_m"]["rms"] < 0.1 and summary["map_error_m"] < 0.1
+    assert 0.5 < summary["map_found_share"] <= 1.0
     names = ("map.png", "errors.png", "world.png", "trajectory.tum", "ground_truth.tum")
     for name in (*names, "report.html"):
         assert (out / name).stat().st_size > 100, name

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sim_bridge.observations import StereoImages
 from sim_bridge.physics import Physics
 from sim_bridge.ranging import is_due
 from sim_bridge.robot_model import RobotModel
@@ -16,16 +17,25 @@ from sim_bridge.solids import Solid
 from sim_bridge.world import World
 
 if TYPE_CHECKING:
-    from sim_bridge.cameras import Cameras, StereoImages
+    from sim_bridge.cameras import Cameras
     from sim_bridge.scene import Scene
 
+OMNI = "omni"
+IsWatched = Callable[[str, str], bool]
+
 _FOV_RAD = math.radians(50.0)
+
+
+def always(robot: str, camera: str) -> bool:
+    """Tell that somebody watches."""
+    return True
 
 
 class Views:
     """Cameras of all robots, and one from above.
 
-    Worlds without cameras do without the compiled renderer, which takes a second to load.
+    Worlds without cameras do without the compiled renderer, which takes a second to load. Cameras
+    are asked for by (robot, `OMNI` or name of a stereo pair).
 
     Args:
         world: Floor, lamp, ceiling.
@@ -49,29 +59,40 @@ class Views:
         self._T, self._step_ns, self._num_threads = T_new_old, step_ns, num_threads
         self._made: Scene | None = None
         self._cameras: dict[str, Cameras] = {}
+        self._seed: int | None = None
 
     def reset(self, seed: int) -> None:
-        """Begin every camera's stream of noise anew."""
+        """Take the noise of a seed. An image depends on it, what is seen and when, on no other."""
         seeing = {n: m for n, m in self._models.items() if m.config.omni or m.config.stereo}
-        if seeing:
+        if seeing and seed != self._seed:
             from sim_bridge.cameras import Cameras
 
             scene = self._scene()
             self._cameras = {n: Cameras(n, m, scene, seed) for n, m in seeing.items()}
+        self._seed = seed
 
-    def omni(self, name: str, stamp_ns: int) -> np.ndarray | None:
-        """Return a robot's mirror image, RGB uint8, if one is due."""
+    def omni(self, name: str, stamp_ns: int, is_watched: IsWatched = always) -> np.ndarray | None:
+        """Return a robot's mirror image, RGB uint8, if one is due and watched."""
         config = self._models[name].config.omni
         if config is None or not is_due(stamp_ns, config.period_s, self._step_ns):
             return None
-        return self._cameras[name].omni(self._physics)
+        if not is_watched(name, OMNI):
+            return None
+        return self._cameras[name].omni(self._physics, self._frame(stamp_ns, config.period_s))
 
-    def stereo(self, name: str, stamp_ns: int) -> Mapping[str, StereoImages] | None:
-        """Return a robot's stereo images by pair, if they are due."""
+    def stereo(
+        self, name: str, stamp_ns: int, is_watched: IsWatched = always
+    ) -> Mapping[str, StereoImages] | None:
+        """Return a robot's stereo images by watched pair, if they are due and there are any."""
         config = self._models[name].config.stereo
         if config is None or not is_due(stamp_ns, config.period_s, self._step_ns):
             return None
-        return self._cameras[name].stereo(self._physics)
+        pairs = [pair for pair in config.pairs if is_watched(name, pair)]
+        frame, cameras = self._frame(stamp_ns, config.period_s), self._cameras[name]
+        return {pair: cameras.stereo(pair, self._physics, frame) for pair in pairs} or None
+
+    def _frame(self, stamp_ns: int, period_s: float) -> int:
+        return stamp_ns // max(round(period_s * 1e9), self._step_ns)
 
     def overview(self, solids: list[Solid], size: tuple[int, int]) -> np.ndarray:
         """Return a picture of the world from above, (height, width, 3), RGB uint8."""
@@ -94,11 +115,15 @@ class Views:
         target: tuple[float, float, float],
         size: tuple[int, int],
         up: tuple[float, float, float] = (0.0, 1.0, 0.0),
+        fov_rad: float = _FOV_RAD,
     ) -> np.ndarray:
-        """Return what a camera at a point sees of everything, textures too, RGB uint8."""
+        """Return what a camera at a point sees of everything, textures too, RGB uint8.
+
+        `fov_rad` is the angle from the image's upper edge to its lower one.
+        """
         from sim_bridge.cameras import pinhole_rays
 
-        focal_px = size[1] / 2.0 / math.tan(_FOV_RAD / 2.0)
+        focal_px = size[1] / 2.0 / math.tan(fov_rad / 2.0)
         rays = pinhole_rays(*size, focal_px, samples=2)
         light = self._scene().light_at(rays, looking(eye, target, up), has_ceiling=False)
         return np.clip(np.rint(255.0 * light), 0, 255).astype(np.uint8)
