@@ -19,7 +19,7 @@ import pytest
 # Without ROS no node can be started: there is nothing to collect here.
 collect_ignore_glob = [] if importlib.util.find_spec("rclpy") else ["test_*.py"]
 
-DISCOVERY_S = 10.0  # discovery takes 0.1 s, now and then 3 s
+EVENTUALLY_S = 60.0  # what must come at last, on a slow and busy machine too
 SETTLE_S = 0.3  # the other side of a match hears of it a moment later
 DOMAINS = range(60, 100)
 
@@ -57,16 +57,23 @@ class NodeProcess:
         """All it has said so far."""
         return "\n".join(self.lines)
 
-    def wait_for(self, words: str, timeout: float = DISCOVERY_S) -> str:
+    @property
+    def has_ended(self) -> bool:
+        """Whether it has, and all it said was read."""
+        if self.process.poll() is None:
+            return False
+        self._reader.join(EVENTUALLY_S)
+        return True
+
+    def wait_for(self, words: str, timeout: float = EVENTUALLY_S) -> str:
         """Return the first line that holds words; fails with all it said if none comes."""
         end = time.monotonic() + timeout
-        while time.monotonic() < end:
+        is_last = False
+        while not is_last:
+            is_last = time.monotonic() > end or self.has_ended
             for line in list(self.lines):
                 if words in line:
                     return line
-            if self.process.poll() is not None:
-                self._reader.join(1.0)
-                end = min(end, time.monotonic() + 0.1)
             time.sleep(0.02)
         pytest.fail(f"no line with '{words}' within {timeout} s in:\n{self.text}")
 
@@ -74,13 +81,13 @@ class NodeProcess:
         """Wait until it has found that many publishers of a topic (full name); see listening.py."""
         self.wait_for(f"{topic} is heard from {num}")
 
-    def wait_for_exit(self, timeout: float = DISCOVERY_S) -> int:
+    def wait_for_exit(self, timeout: float = EVENTUALLY_S) -> int:
         """Return the exit code."""
         code = self.process.wait(timeout)
-        self._reader.join(1.0)
+        self._reader.join(EVENTUALLY_S)
         return code
 
-    def stop(self, sign: signal.Signals = signal.SIGTERM, timeout: float = 5.0) -> int:
+    def stop(self, sign: signal.Signals = signal.SIGTERM, timeout: float = EVENTUALLY_S) -> int:
         """Ask it to stop and return the exit code."""
         self.process.send_signal(sign)
         return self.wait_for_exit(timeout)
@@ -89,8 +96,8 @@ class NodeProcess:
         """End it for good, this one process only."""
         if self.process.poll() is None:
             self.process.kill()
-            self.process.wait(5.0)
-        self._reader.join(1.0)
+            self.process.wait(EVENTUALLY_S)
+        self._reader.join(EVENTUALLY_S)
         assert self.process.stdout is not None
         self.process.stdout.close()
 
@@ -121,7 +128,7 @@ class Peer:
         self.spin_until(lambda: False, seconds, must=False)
 
     def spin_until(
-        self, is_done: Callable[[], bool], timeout: float = DISCOVERY_S, *, must: bool = True
+        self, is_done: Callable[[], bool], timeout: float = EVENTUALLY_S, *, must: bool = True
     ) -> bool:
         """Work until something is so; fails after the timeout."""
         end = time.monotonic() + timeout
@@ -169,7 +176,7 @@ class Peer:
         return self.call(Trigger, service, Trigger.Request(), to)
 
     def publish_until(
-        self, publisher: Any, msg: Any, is_done: Callable[[], bool], timeout: float = DISCOVERY_S
+        self, publisher: Any, msg: Any, is_done: Callable[[], bool], timeout: float = EVENTUALLY_S
     ) -> None:
         """Publish again and again: the first of a best-effort topic may find nobody yet."""
         end = time.monotonic() + timeout
@@ -184,6 +191,15 @@ class Peer:
         subscription = self.node.create_subscription(msg_type, topic, messages.append, qos)
         self._subscriptions[topic] = subscription
         return messages
+
+    def wait_for_publisher(self, *topics: str) -> None:
+        """Wait until topics (full names) are published.
+
+        A subscription made after that hears its publisher from the moment the publisher knows of
+        it; one made before may be known to the publisher first, and miss what is sent meanwhile.
+        """
+        for topic in topics:
+            self.spin_until(lambda t=topic: self.node.count_publishers(t) > 0)
 
     def wait_to_hear(self, *topics: str) -> None:
         """Wait until what `collect` was given as topics has found a publisher."""

@@ -17,7 +17,7 @@ from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.qos import SENSOR_QOS
 
 LISTENING = Path(__file__).with_name("listening.py")
-START_S = 20.0
+START_S = 60.0
 
 
 def _start(start: Callable[..., Any], *parameters: str) -> None:

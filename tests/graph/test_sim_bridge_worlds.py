@@ -20,7 +20,7 @@ from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.qos import CLOCK_QOS, LATCHED_QOS, RELIABLE_QOS, SENSOR_QOS
 
 LISTENING = Path(__file__).with_name("listening.py")
-START_S = 20.0
+START_S = 60.0
 WALL = "walls: [{from_m: [-3, 0], to_m: [3, 0]}]\n"
 ROBOTS = """\
 robots:

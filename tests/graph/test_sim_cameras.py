@@ -18,7 +18,7 @@ from floornav_common.ros.messages import image_to_array, stamp_to_ns
 from floornav_common.ros.qos import LATCHED_QOS, SENSOR_QOS
 
 LISTENING = Path(__file__).with_name("listening.py")
-START_S = 60.0  # the renderer may have to be compiled first
+START_S = 120.0  # the renderer may have to be compiled first
 
 
 @pytest.fixture
