@@ -95,6 +95,57 @@ def test_same_seed_gives_the_same_images_and_reset_brings_them_back(simulate) ->
     assert _omni(simulate(worlds[0], seed=6)).tobytes() != images[0][0]
 
 
+def _two_cameras() -> World:
+    mirror = RobotPlacement(model="soccer_small_size", name="mirror", position_m=(1.0, 1.0))
+    world = load_world("stereo_room")
+    return replace(world, robots=(*(replace(r, name="pairs") for r in world.robots), mirror))
+
+
+def test_an_image_that_nobody_watches_changes_nothing_else(simulate) -> None:
+    """Byte for byte: other cameras, later images of the same one, every other sensor."""
+    every, some = (simulate(_two_cameras(), seed=3) for _ in range(2))
+    asked = []
+
+    def is_watched(robot: str, camera: str) -> bool:
+        asked.append((some.stamp_ns, robot, camera))
+        return some.stamp_ns > 250_000_000 or camera == "front"
+
+    num_images = 0
+    for _ in range(40):
+        drive = dict.fromkeys(every.models, Velocity(0.2, 0.3))
+        a, b = every.step(drive), some.step(drive, is_watched)
+        is_late = a.stamp_ns > 250_000_000
+        for name in ("pairs", "mirror"):
+            full, part = a.robots[name], b.robots[name]
+            assert part.ground_truth == full.ground_truth and part.sonar == full.sonar
+            assert (part.scan is None) == (full.scan is None)
+            if full.scan is not None:
+                assert part.scan.ranges.tobytes() == full.scan.ranges.tobytes()
+            if full.omni is not None:
+                assert (part.omni is not None) == is_late
+                assert not is_late or part.omni.tobytes() == full.omni.tobytes()
+            for pair, images in (full.stereo or {}).items():
+                assert (pair in part.stereo) == (is_late or pair == "front")
+                for side in ("left", "right") if pair in part.stereo else ():
+                    own, other = getattr(part.stereo[pair], side), getattr(images, side)
+                    assert own.tobytes() == other.tobytes()
+                    num_images += 1
+    assert num_images == 2 * (4 + 2)
+    # Asked only when an image is due.
+    assert len(asked) == 4 * 3 and {stamp for stamp, _, _ in asked} == {
+        100_000_000, 200_000_000, 300_000_000, 400_000_000,
+    }  # fmt: skip
+
+
+def test_images_of_one_scene_differ_in_their_noise_alone(simulate) -> None:
+    simulation = simulate(load_world("small_size_field"))
+    first, second = (s.omni.astype(int) for s in _seen(simulation, 20) if s.omni is not None)
+    difference = (first - second)[second.max(axis=2) > 20]
+    # Two images' noise: 2 levels in the dark, 0.15 per level more, in both.
+    assert abs(difference.mean()) < 0.2
+    assert 1.4 * 2.0 < difference.std() < 1.4 * math.sqrt(4.0 + 0.15 * 255.0)
+
+
 def _stereo_world(light: Light = FLAT_LIGHT) -> World:
     wall = Wall(from_m=(3.05, -3.0), to_m=(3.05, 3.0), thickness_m=0.1, color=(0.2, 0.2, 0.2))
     post = Column(name="post", center_m=(1.97, 0.1), radius_m=0.03, color=(1.0, 1.0, 1.0))

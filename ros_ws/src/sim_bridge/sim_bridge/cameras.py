@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -13,6 +12,7 @@ from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera
 from sim_bridge.camera_config import OmniCameraConfig, StereoConfig, optical_frame
 from sim_bridge.camera_rays import Rays, sorted_rays
 from sim_bridge.image_effects import ImageSensor
+from sim_bridge.observations import StereoImages
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.scene import Scene
 
@@ -25,14 +25,6 @@ class SensorPoses(Protocol):
     def sensor_pose(self, name: str, T_base_sensor: np.ndarray) -> np.ndarray:
         """Return `T_world_sensor`, (4, 4)."""
         ...
-
-
-@dataclass(frozen=True)
-class StereoImages:
-    """The two images of a pair, RGB uint8."""
-
-    left: np.ndarray
-    right: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -49,7 +41,7 @@ class Cameras:
         name: The robot's.
         model: Its model.
         scene: What is around it.
-        seed: Of the simulation; each camera has its own stream.
+        seed: Of the simulation; each image of each camera has its own noise.
     """
 
     def __init__(self, name: str, model: RobotModel, scene: Scene, seed: int) -> None:
@@ -59,31 +51,29 @@ class Cameras:
         self._omni: _Camera | None = None
         self._stereo: dict[str, tuple[_Camera, _Camera]] = {}
         if omni is not None:
-            rng = _stream(seed, name, "omni")
-            self._omni = _omni_camera(omni, model.mounts[omni.frame], rng)
+            key = _key(seed, name, "omni")
+            self._omni = _omni_camera(omni, model.mounts[omni.frame], key)
         if stereo is None:
             return
         for pair in stereo.pairs:
             left, right = (
-                _pinhole_camera(stereo, model.mounts[frame], _stream(seed, name, frame))
+                _pinhole_camera(stereo, model.mounts[frame], _key(seed, name, frame))
                 for frame in (optical_frame(pair, side) for side in ("left", "right"))
             )
             self._stereo[pair] = left, right
 
-    def omni(self, poses: SensorPoses) -> np.ndarray | None:
-        """Return the mirror's image now, RGB uint8; None without such a camera."""
-        return None if self._omni is None else self._image(self._omni, poses)
+    def omni(self, poses: SensorPoses, frame: int) -> np.ndarray | None:
+        """Return the mirror's image now, the `frame`th, RGB uint8; None without such a camera."""
+        return None if self._omni is None else self._image(self._omni, poses, frame)
 
-    def stereo(self, poses: SensorPoses) -> Mapping[str, StereoImages]:
-        """Return the images of every pair now."""
-        return {
-            pair: StereoImages(self._image(left, poses), self._image(right, poses))
-            for pair, (left, right) in self._stereo.items()
-        }
+    def stereo(self, pair: str, poses: SensorPoses, frame: int) -> StereoImages:
+        """Return the images of a pair now."""
+        left, right = self._stereo[pair]
+        return StereoImages(self._image(left, poses, frame), self._image(right, poses, frame))
 
-    def _image(self, camera: _Camera, poses: SensorPoses) -> np.ndarray:
+    def _image(self, camera: _Camera, poses: SensorPoses, frame: int) -> np.ndarray:
         T_world_camera = poses.sensor_pose(self._name, camera.T_base_camera)
-        return camera.sensor.expose(self._scene.light_at(camera.rays, T_world_camera))
+        return camera.sensor.expose(self._scene.light_at(camera.rays, T_world_camera), frame)
 
 
 def mirror_rays(camera: MirrorCamera, samples: int, refine_above: float) -> Rays:
@@ -106,24 +96,24 @@ def pinhole_rays(
 
 
 def _omni_camera(
-    config: OmniCameraConfig, T_base_camera: np.ndarray, rng: np.random.Generator
+    config: OmniCameraConfig, T_base_camera: np.ndarray, key: tuple[int, ...]
 ) -> _Camera:
     camera = config.camera()
     radius = _radius(camera)
     # The mirror's edge covers a part of the pixels that it crosses.
     gain = np.clip((camera.max_radius_px - radius) / _EDGE_SOFTNESS_PX + 0.5, 0.0, 1.0)
     edge = np.minimum(radius / camera.max_radius_px, 1.0)
-    sensor = ImageSensor(config.image, gain, edge, rng)
+    sensor = ImageSensor(config.image, gain, edge, key)
     return _Camera(T_base_camera, mirror_rays(camera, config.samples, config.refine_above), sensor)
 
 
 def _pinhole_camera(
-    config: StereoConfig, T_base_camera: np.ndarray, rng: np.random.Generator
+    config: StereoConfig, T_base_camera: np.ndarray, key: tuple[int, ...]
 ) -> _Camera:
     width, height = config.width_px, config.height_px
     v, u = np.mgrid[:height, :width]
     edge = np.hypot(u - (width - 1) / 2.0, v - (height - 1) / 2.0)
-    sensor = ImageSensor(config.image, np.ones_like(edge), edge / edge.max(), rng)
+    sensor = ImageSensor(config.image, np.ones_like(edge), edge / edge.max(), key)
     rays = pinhole_rays(width, height, config.focal_px, config.samples, config.refine_above)
     return _Camera(T_base_camera, rays, sensor)
 
@@ -141,5 +131,5 @@ def _sub_pixels(width: int, height: int, samples: int) -> np.ndarray:
     return np.stack((u[:, :, None] + du, v[:, :, None] + dv), axis=-1)
 
 
-def _stream(seed: int, robot: str, sensor: str) -> np.random.Generator:
-    return np.random.default_rng([seed, zlib.crc32(robot.encode()), zlib.crc32(sensor.encode())])
+def _key(seed: int, robot: str, sensor: str) -> tuple[int, ...]:
+    return seed, zlib.crc32(robot.encode()), zlib.crc32(sensor.encode())

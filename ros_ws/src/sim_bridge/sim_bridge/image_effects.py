@@ -15,30 +15,33 @@ class ImageSensor:
     """A lens and a sensor with a noise of its own.
 
     Noise is cut from one long row of numbers at a place drawn for each image: drawing a number a
-    value would cost more than the rest of the picture.
+    value would cost more than the rest of the picture. It depends on key and frame alone, so an
+    image that is never taken changes no other.
 
     Args:
         config: Its figures.
         gain: What the lens lets through at each pixel before vignetting, (height, width).
         edge: Distance of each pixel from the middle, 1 at the image's edge, (height, width).
-        rng: Source of the noise.
+        key: Seeds of the noise.
     """
 
     def __init__(
-        self, config: ImageConfig, gain: np.ndarray, edge: np.ndarray, rng: np.random.Generator
+        self, config: ImageConfig, gain: np.ndarray, edge: np.ndarray, key: tuple[int, ...]
     ) -> None:
-        self._config, self._rng = config, rng
+        self._config, self._key = config, key
         falloff = gain * (1.0 - config.vignetting * edge**2)
         tint = 255.0 * config.exposure * np.array(config.color)
         self._gain = (falloff[:, :, None] * tint).astype(np.float32)
-        self._pool = rng.standard_normal(max(_POOL, 2 * self._gain.size), dtype=np.float32)
+        count = max(_POOL, 2 * self._gain.size)
+        self._pool = np.random.default_rng(key).standard_normal(count, dtype=np.float32)
         self._develop(np.zeros(0, np.float32), np.zeros(0, np.float32), 0)  # compiles
 
-    def expose(self, light: np.ndarray) -> np.ndarray:
-        """Return the image, RGB uint8, of light (height, width, 3) float32."""
+    def expose(self, light: np.ndarray, frame: int) -> np.ndarray:
+        """Return the `frame`th image, RGB uint8, of light (height, width, 3) float32."""
         sd = self._config.blur_sd_px
         blurred = cv2.GaussianBlur(light, (0, 0), sd) if sd > 0.0 else light
-        start = int(self._rng.integers(len(self._pool) - light.size + 1))
+        rng = np.random.default_rng((*self._key, frame))
+        start = int(rng.integers(len(self._pool) - light.size + 1))
         return self._develop(blurred.ravel(), self._gain.ravel(), start).reshape(light.shape)
 
     def _develop(self, light: np.ndarray, gain: np.ndarray, start: int) -> np.ndarray:

@@ -16,6 +16,7 @@ from sim_bridge.bodies import FLOOR, make_robot, make_solid
 from sim_bridge.drawn_shapes import DrawnShapes
 from sim_bridge.drive import Velocity
 from sim_bridge.engine import PybulletMissingError, connect, require_pybullet
+from sim_bridge.engine_picture import engine_picture, paint
 from sim_bridge.ray_scene import RayScene
 from sim_bridge.rays import Hits
 from sim_bridge.robot_model import RobotModel
@@ -169,22 +170,9 @@ class Physics:
             up: What is up in the picture.
             has_glass: True paints panes over what is behind them; False leaves them out.
         """
-        self._paint_panes(1.0 if has_glass else self._glass_alpha)
-        engine, (width, height) = self._engine, size
-        view = engine.computeViewMatrix(eye, target, up)
-        lens = engine.computeProjectionMatrixFOV(fov_deg, width / height, 0.1, 100.0)
-        image = engine.getCameraImage(
-            width, height, view, lens, shadow=0, lightDirection=[-4.0, -6.0, 14.0],
-            renderer=engine.ER_TINY_RENDERER, physicsClientId=self._client,
-        )[2]  # fmt: skip
-        return np.reshape(np.asarray(image, dtype=np.uint8), (height, width, 4))[:, :, :3]
-
-    def _paint_panes(self, alpha: float) -> None:
-        for body in self._panes:
-            color = self._engine.getVisualShapeData(body, physicsClientId=self._client)[0][7]
-            self._engine.changeVisualShape(
-                body, -1, rgbaColor=[*color[:3], alpha], physicsClientId=self._client
-            )
+        engine, client = self._engine, self._client
+        paint(engine, client, self._panes, 1.0 if has_glass else self._glass_alpha)
+        return engine_picture(engine, client, eye, target, size, fov_deg, up)
 
     def _set_velocity(self, name: str, velocity: Velocity) -> None:
         # Along the middle direction of the step, with the chord of the arc: no curve is cut.

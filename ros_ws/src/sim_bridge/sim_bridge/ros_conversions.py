@@ -18,8 +18,8 @@ from floornav_common.scan import Scan
 from sim_bridge.camera_config import StereoConfig
 from sim_bridge.config import LaserConfig, OdometryConfig
 from sim_bridge.drive import Velocity
+from sim_bridge.observations import GroundTruth
 from sim_bridge.people.people import PersonTruth
-from sim_bridge.simulation import GroundTruth
 from sim_bridge.wheels import OdometryState
 
 GROUND_TRUTH_FRAME = "ground_truth"

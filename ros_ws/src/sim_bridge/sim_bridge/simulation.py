@@ -6,23 +6,21 @@ import math
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from floornav_common.readings import RangeReading
-from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sim_bridge.drive import DriveState, Velocity, drive_step, refusal
+from sim_bridge.observations import GroundTruth, Observations, RobotObservation
 from sim_bridge.panes import panes_of
-from sim_bridge.people.people import People, PersonTruth, disk_of
+from sim_bridge.people.people import People, disk_of
 from sim_bridge.physics import Physics
 from sim_bridge.placement import require_free
 from sim_bridge.ranging import RangeSensors, is_due
 from sim_bridge.robot_model import load_robot
 from sim_bridge.schema import WorldError
 from sim_bridge.solids import moved, solids_of
-from sim_bridge.views import Views
+from sim_bridge.views import IsWatched, Views, always
 from sim_bridge.wheels import (
     OdometryState,
     WheelState,
@@ -33,63 +31,7 @@ from sim_bridge.wheels import (
 )
 from sim_bridge.world import World
 
-if TYPE_CHECKING:
-    from sim_bridge.cameras import StereoImages
-
 STEP_NS = 10_000_000
-
-
-@dataclass(frozen=True)
-class GroundTruth:
-    """What no sensor knows.
-
-    Attributes:
-        pose: `T_world_base`.
-        velocity: Of the base over the floor.
-        is_touching: True while the robot touches anything but the floor.
-    """
-
-    pose: SE2
-    velocity: Velocity
-    is_touching: bool
-
-
-@dataclass(frozen=True)
-class RobotObservation:
-    """What one robot's sensors gave in a step; None where a sensor was not due.
-
-    Attributes:
-        scan: A sweep taken at the end of the step.
-        sonar: One reading a sonar of those that fired together, NaN for the others.
-        odometry: Dead reckoning at the end of the step.
-        refused: Why the command of this step was refused; "" if it was not.
-        ground_truth: For judges only; never part of a sensor message.
-        omni: Image of the mirror, (height, width, 3), RGB uint8.
-        stereo: Images of each pair of cameras, by its name.
-    """
-
-    scan: Scan | None
-    odometry: OdometryState | None
-    refused: str
-    ground_truth: GroundTruth
-    sonar: tuple[RangeReading, ...] | None = None
-    omni: np.ndarray | None = None
-    stereo: Mapping[str, StereoImages] | None = None
-
-
-@dataclass(frozen=True)
-class Observations:
-    """All robots at one instant of simulated time.
-
-    Attributes:
-        stamp_ns: The instant.
-        robots: What each robot's sensors gave, by name.
-        ground_truth_people: Where people are; for judges only.
-    """
-
-    stamp_ns: int
-    robots: dict[str, RobotObservation]
-    ground_truth_people: tuple[PersonTruth, ...] = ()
 
 
 @dataclass
@@ -170,12 +112,16 @@ class Simulation:
         """Return a picture of the world from above, shape (height, width, 3), RGB uint8."""
         return self.views.overview(self.solids, size)
 
-    def step(self, commands: Mapping[str, Velocity]) -> Observations:
+    def step(
+        self, commands: Mapping[str, Velocity], is_watched: IsWatched = always
+    ) -> Observations:
         """Go on by `STEP_NS`.
 
         Args:
             commands: New commands by robot name; a robot without one keeps its last until that
                 times out. A refused command stops its robot and is named in the observation.
+            is_watched: Tells of (robot, camera), as in `Views`, whether an image that is due is
+                drawn. Nothing else, later images neither, depends on the answer.
         """
         dt = STEP_NS * 1e-9
         floor: dict[str, Velocity] = {}
@@ -190,7 +136,8 @@ class Simulation:
         self._physics.step(floor)
         self.stamp_ns += STEP_NS
         robots = {
-            name: self._observe(name, commands.get(name), before[name]) for name in self.models
+            name: self._observe(name, commands.get(name), before[name], is_watched)
+            for name in self.models
         }
         for name, seen in robots.items():
             pose = seen.ground_truth.pose
@@ -208,7 +155,9 @@ class Simulation:
             self._people.step(self.stamp_ns, STEP_NS * 1e-9, robots)
             self._physics.place_movers(self._people.places())
 
-    def _observe(self, name: str, command: Velocity | None, before: SE2) -> RobotObservation:
+    def _observe(
+        self, name: str, command: Velocity | None, before: SE2, is_watched: IsWatched
+    ) -> RobotObservation:
         config = self.models[name].config
         pose, dt = self._physics.pose(name), STEP_NS * 1e-9
         velocity = _mean_velocity(before.between(pose), dt)
@@ -218,8 +167,8 @@ class Simulation:
             refused="" if command is None else refusal(config.drive, command),
             ground_truth=GroundTruth(pose, velocity, self._physics.is_touching(name)),
             sonar=self._ranging[name].sonar(self._physics, self.stamp_ns),
-            omni=self.views.omni(name, self.stamp_ns),
-            stereo=self.views.stereo(name, self.stamp_ns),
+            omni=self.views.omni(name, self.stamp_ns, is_watched),
+            stereo=self.views.stereo(name, self.stamp_ns, is_watched),
         )
 
     def _odometry(self, name: str) -> OdometryState | None:

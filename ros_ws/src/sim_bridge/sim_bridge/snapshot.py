@@ -64,7 +64,7 @@ def _look_round(simulation: Simulation, name: str) -> Snapshot:
     sonar: dict[int, RangeReading] = {}
     pose = simulation.starts[name]
     for _ in range(math.ceil(max(periods, default=0.0) * 1e9 / STEP_NS - 1e-9)):
-        seen = simulation.step({}).robots[name]
+        seen = simulation.step({}, lambda robot, camera: False).robots[name]
         scan = seen.scan or scan
         for k, reading in enumerate(seen.sonar or ()):
             if k not in sonar or not math.isnan(reading.range):

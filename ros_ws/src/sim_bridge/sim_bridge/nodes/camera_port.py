@@ -8,9 +8,10 @@ from floornav_common.ros.messages import array_to_image, ns_to_stamp
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import RELIABLE_QOS, create_publisher
 from sim_bridge.camera_config import optical_frame
+from sim_bridge.observations import RobotObservation
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.ros_conversions import camera_info_msg
-from sim_bridge.simulation import RobotObservation
+from sim_bridge.views import OMNI
 
 SIDES = ("left", "right")
 
@@ -41,6 +42,13 @@ class CameraPort:
             for pair in (() if stereo is None else stereo.pairs)
             for side in SIDES
         }
+
+    def is_watched(self, camera: str) -> bool:
+        """Tell whether anybody subscribes to a topic of `OMNI` or of a stereo pair."""
+        if camera == OMNI:
+            return self._omni_pub.get_subscription_count() > 0
+        pubs = [pub for side in SIDES for pub in self._pubs[camera, side]]
+        return any(pub.get_subscription_count() > 0 for pub in pubs)
 
     def publish(self, stamp_ns: int, seen: RobotObservation) -> None:
         """Publish the images of a step, if there are any."""

@@ -21,9 +21,9 @@ from floornav_common.transform3 import Transform3
 from sim_bridge.drive import Velocity
 from sim_bridge.nodes.camera_port import CameraPort
 from sim_bridge.nodes.sonar_port import SonarPort
+from sim_bridge.observations import RobotObservation
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.ros_conversions import ground_truth_msg, odometry_msg, scan_msg, velocity_from_msg
-from sim_bridge.simulation import RobotObservation
 
 
 class RobotPort:
@@ -80,6 +80,10 @@ class RobotPort:
         """Return the command that came since the last call, if one did."""
         command, self._command = self._command, None
         return command
+
+    def is_watched(self, camera: str) -> bool:
+        """Tell whether anybody subscribes to what a camera sees."""
+        return self._cameras.is_watched(camera)
 
     def publish(self, stamp_ns: int, seen: RobotObservation) -> None:
         """Publish one step: the transform first, so that the scan finds it there."""

@@ -3,7 +3,8 @@
 In: `cmd_vel` (Twist, or TwistStamped with `enable_stamped_cmd_vel`) of each robot.
 Out: `scan`, `sonar` (or one topic a sonar), `odom` (drifting), `ground_truth/odom`,
 `ground_truth/contact` (latched, on change), `ground_truth/people` (where there are people),
-`robot_description` (latched), `/clock`, `/tf` odom->base_link, `/tf_static`.
+`robot_description` (latched), `/clock`, `/tf` odom->base_link, `/tf_static`; images of cameras,
+drawn only while somebody subscribes.
 Services: `~/reset`, `~/step` (Trigger).
 
 A robot with a name has its topics below that name; by `tf_scheme` the name is the prefix of its
@@ -46,6 +47,10 @@ class SimBridgeNode(FloornavNode):
         """Build the world and start its time, unless in lockstep."""
         super().__init__("sim_bridge")
         self._config = declare_config(self, SimBridgeConfig, on_change=self._set_config)
+        self.get_logger().info(
+            f"building world {self._config.world!r}; the first time on a machine the ray casters "
+            "are compiled, which takes some ten seconds"
+        )
         try:
             self._sim = Simulation(
                 load_world(self._config.world, parsed_parameters(self._config.world_parameters)),
@@ -89,7 +94,8 @@ class SimBridgeNode(FloornavNode):
 
     def _step(self) -> None:
         commands = {name: port.take_command() for name, port in self._ports.items()}
-        seen = self._sim.step({name: c for name, c in commands.items() if c is not None})
+        given = {name: c for name, c in commands.items() if c is not None}
+        seen = self._sim.step(given, lambda name, camera: self._ports[name].is_watched(camera))
         if seen.stamp_ns % max(round(self._config.clock_period_s * 1e9), STEP_NS) == 0:
             self._clock_pub.publish(ClockMsg(clock=ns_to_stamp(seen.stamp_ns)))
         for name, port in self._ports.items():

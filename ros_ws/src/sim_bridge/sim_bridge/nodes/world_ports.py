@@ -11,9 +11,9 @@ from floornav_common.ros.qos import RELIABLE_QOS, create_publisher
 from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
 from sim_bridge.config import SimBridgeConfig
 from sim_bridge.nodes.robot_port import RobotPort
+from sim_bridge.observations import Observations
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.ros_conversions import people_msg
-from sim_bridge.simulation import Observations
 
 _PEOPLE_PERIOD_NS = 100_000_000
 
