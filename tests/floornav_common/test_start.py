@@ -24,16 +24,16 @@ def run(folder: Path, module: str, body: str) -> subprocess.Popen[str]:
 def test_a_signal_during_the_imports_ends_the_process_with_0_and_no_word(
     tmp_path: Path, sign: signal.Signals
 ) -> None:
-    body = "import time\nprint('importing', flush=True)\ntime.sleep(60)\n"
+    body = "import time\nprint('importing', flush=True)\ntime.sleep(600)\n"
     process = run(tmp_path, "slow_node", body)
     assert process.stdout is not None
     assert process.stdout.readline() == "importing\n"
     process.send_signal(sign)
-    said, _ = process.communicate(timeout=10)
+    said, _ = process.communicate(timeout=60)
     assert (process.returncode, said) == (0, "")
 
 
 def test_the_exit_code_is_that_of_the_nodes_main(tmp_path: Path) -> None:
     process = run(tmp_path, "failing_node", "def main():\n    return 2\n")
-    assert process.communicate(timeout=10)[0] == ""
+    assert process.communicate(timeout=60)[0] == ""
     assert process.returncode == 2

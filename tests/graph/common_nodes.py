@@ -115,7 +115,7 @@ class Building(FloornavNode):
     def __init__(self) -> None:
         super().__init__("building")
         print("building", flush=True)
-        time.sleep(60.0)
+        time.sleep(600.0)
 
 
 class Broken(FloornavNode):

@@ -39,6 +39,13 @@ def statuses(arrays: list[DiagnosticArray], part: str) -> list[DiagnosticStatus]
     return [s for array in arrays for s in array.status if s.name.endswith(f": {part}")]
 
 
+def hear_diagnostics(peer: Peer) -> list[DiagnosticArray]:
+    """Return a list that fills with the diagnostics of the nodes; the first have come."""
+    arrays: list[DiagnosticArray] = peer.collect(DiagnosticArray, "/diagnostics", 100)
+    peer.spin_until(lambda: bool(arrays))
+    return arrays
+
+
 class Robot:
     """Driver and robot_state_publisher of a test: scans, odometry and the laser's place."""
 

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from robot_messages import Robot, S, scan_of, statuses, tf_of, time_of
+from robot_messages import Robot, S, hear_diagnostics, scan_of, statuses, tf_of, time_of
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
@@ -31,8 +30,10 @@ def echo(start: Start) -> NodeProcess:
 
 
 def test_scans_wait_for_their_late_transforms_and_come_in_stamp_order(
-    echo: NodeProcess, peer: Peer
+    start: Start, peer: Peer
 ) -> None:
+    echo = start(NODES, "scan_echo", "--ros-args", "-p", "transform_timeout_s:=10.0")
+    echo.wait_for("ready")
     robot = Robot(peer, echo)
     robot.tf.publish(tf_of("odom", "base_link", 100 * S, 0.0))
     robot.scans.publish(scan_of(100 * S + S // 2))
@@ -49,7 +50,7 @@ def test_a_scan_that_comes_after_a_newer_one_is_dropped_and_counted(
     echo: NodeProcess, peer: Peer
 ) -> None:
     robot = Robot(peer, echo)
-    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    arrays = hear_diagnostics(peer)
     robot.tf.publish(tf_of("odom", "base_link", 100 * S, 0.0))
     robot.tf.publish(tf_of("odom", "base_link", 101 * S, 1.0))
     robot.scans.publish(scan_of(100 * S + S // 2))
@@ -67,7 +68,7 @@ def test_a_scan_that_comes_after_a_newer_one_is_dropped_and_counted(
 
 def test_a_scan_without_transform_is_dropped_and_named(echo: NodeProcess, peer: Peer) -> None:
     robot = Robot(peer, echo)
-    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    arrays = hear_diagnostics(peer)
     robot.scans.publish(scan_of(100 * S))
     line = echo.wait_for("dropped")
     assert "/scan" in line and "'laser'" in line and "'odom'" in line
@@ -163,15 +164,15 @@ def test_the_cure_for_a_qos_mismatch_works(start: Start, peer: Peer) -> None:
 def test_silent_input_is_stale_on_diagnostics(start: Start, peer: Peer) -> None:
     node = start(NODES, "picky")
     node.wait_for("ready")
-    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    arrays = hear_diagnostics(peer)
     peer.spin_until(lambda: any(s.level == b"\x03" for s in statuses(arrays, "input /scan")))
     assert "nobody" in statuses(arrays, "input /scan")[-1].message
     scans = peer.publisher(LaserScan, "/scan", 10, to=node)
-    for _ in range(5):
-        scans.publish(scan_of(1))
-        peer.spin(0.1)
-    peer.spin_until(lambda: any(s.level == b"\x00" for s in statuses(arrays, "input /scan")))
-    peer.spin_until(lambda: "/test_peer" in statuses(arrays, "input /scan")[-1].message, 5.0)
+    peer.publish_until(
+        scans, scan_of(1),
+        lambda: any(s.level == b"\x00" for s in statuses(arrays, "input /scan")),
+    )  # fmt: skip
+    peer.spin_until(lambda: "/test_peer" in statuses(arrays, "input /scan")[-1].message)
     assert statuses(arrays, "input /scan")[-1].level == b"\x03"
 
 
@@ -229,7 +230,7 @@ def test_a_clock_that_stops_is_an_error_and_one_that_jumps_back_clears(
     node = start(NODES, "scan_echo", "--ros-args", "-p", "use_sim_time:=true")
     node.wait_for("ready")
     robot = Robot(peer, node)
-    arrays = peer.collect(DiagnosticArray, "/diagnostics", 10)
+    arrays = hear_diagnostics(peer)
     clock = peer.publisher(Clock, "/clock", 10, to=node)
     for _ in range(5):
         clock.publish(Clock(clock=time_of(100 * S)))
@@ -238,7 +239,7 @@ def test_a_clock_that_stops_is_an_error_and_one_that_jumps_back_clears(
     peer.spin(0.1)
     robot.scans.publish(scan_of(100 * S))
     node.wait_for("at x 1.500")
-    peer.spin_until(lambda: any(s.level == b"\x02" for s in statuses(arrays, "clock")), 5.0)
+    peer.spin_until(lambda: any(s.level == b"\x02" for s in statuses(arrays, "clock")))
     clock.publish(Clock(clock=time_of(10 * S)))
     node.wait_for("jumped back")
     robot.tf.publish(tf_of("odom", "base_link", 10 * S, 2.0))
@@ -260,7 +261,7 @@ def test_another_source_of_the_owned_transform_is_named_and_left_alone(
     node.wait_for("silent")
     num_lines = len(node.lines)
     amcl.node.destroy_publisher(tf)
-    amcl.spin_until(lambda: "sending" in node.lines[num_lines:], 10.0)
+    amcl.spin_until(lambda: "sending" in node.lines[num_lines:])
 
 
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])

@@ -29,6 +29,8 @@ LASER = SE2(0.1, 0.0, 0.2)
 T0_NS = 1_000_000_000_000
 PERIOD_NS = 100_000_000
 TOL_M = 0.03
+READY_S = 120.0  # its kernels may have to be compiled first
+PATIENT = "scan_timeout_s:=1000.0"  # no silence stops it
 OK, STALE = b"\x00", b"\x03"
 SILENT = "no scans: pose and map->odom are not sent"
 
@@ -64,6 +66,13 @@ class Robot:
         self.transforms.clear()
         self.peer.spin(seconds)
         return bool(self.sent_by_mapper())
+
+    def stops_sending(self) -> None:
+        """Wait until the mapper sends its transform no longer."""
+        for _ in range(60):
+            if not self.is_sending(0.5):
+                return
+        pytest.fail("map->odom is still sent")
 
     def send_odometry(self, odom: SE2, stamp_ns: int) -> None:
         from floornav_common.ros.transforms import _stamped
@@ -116,10 +125,22 @@ def mapping_status(arrays: list[Any]) -> tuple[bytes, str]:
 
 
 @pytest.fixture
-def mapper(start: Callable[..., Any], peer: Any) -> SimpleNamespace:
-    node = start(*NODE, "--ros-args", "-p", "map_period_s:=0.2", "-p", "lost_after_s:=1.0")
-    node.wait_for("ready", 60.0)
-    return SimpleNamespace(node=node, robot=Robot(peer, node), peer=peer)
+def make_mapper(start: Callable[..., Any], peer: Any) -> Callable[..., SimpleNamespace]:
+    """Return a function that starts the node with further parameters, and the robot."""
+
+    def make(*parameters: str) -> SimpleNamespace:
+        fixed = ("map_period_s:=0.2", "lost_after_s:=1.0", "transform_timeout_s:=2.0")
+        given = [word for parameter in (*fixed, *parameters) for word in ("-p", parameter)]
+        node = start(*NODE, "--ros-args", *given)
+        node.wait_for("ready", READY_S)
+        return SimpleNamespace(node=node, robot=Robot(peer, node), peer=peer)
+
+    return make
+
+
+@pytest.fixture
+def mapper(make_mapper: Callable[..., SimpleNamespace]) -> SimpleNamespace:
+    return make_mapper()
 
 
 def test_a_drive_gives_poses_a_map_and_map_to_odom(mapper):
@@ -164,11 +185,12 @@ def test_without_transforms_nothing_is_published_and_the_frame_is_named(mapper):
     for step in range(15):
         mapper.robot.send_scan(SE2.identity(), T0_NS + step * PERIOD_NS, frame="nowhere")
         mapper.peer.spin(0.1)
-    assert "nowhere" in mapper.node.wait_for("dropped", 5.0)
+    assert "nowhere" in mapper.node.wait_for("dropped")
     assert not mapper.robot.poses and not mapper.robot.maps
 
 
-def test_a_blind_laser_means_lost_and_no_transform(mapper):
+def test_a_blind_laser_means_lost_and_no_transform(make_mapper):
+    mapper = make_mapper(PATIENT)
     robot = mapper.robot
     robot.drive(15)
     blind = Scan(np.full(360, np.nan), -np.pi, 2.0 * np.pi / 360, 0.05, 30.0)
@@ -178,11 +200,11 @@ def test_a_blind_laser_means_lost_and_no_transform(mapper):
         robot.send_odometry(SE2.identity(), stamp_ns)
         mapper.peer.spin(0.05)
         robot.step += 1
-    mapper.node.wait_for("scan not trusted", 5.0)
-    mapper.peer.spin(0.5)
+    mapper.node.wait_for("scan not trusted")
     # 15 of the drive, and the blind ones up to lost_after_s (1.0 s) behind the last trusted scan
+    mapper.peer.spin_until(lambda: len(robot.poses) == 15 + 10)
+    robot.stops_sending()
     assert len(robot.poses) == 15 + 10
-    assert not robot.is_sending(0.5)
 
 
 def test_map_to_odom_stops_when_scans_stop_and_comes_back_with_a_trusted_one(mapper):
@@ -191,7 +213,7 @@ def test_map_to_odom_stops_when_scans_stop_and_comes_back_with_a_trusted_one(map
     robot.drive(15)
     mapper.peer.spin_until(lambda: bool(robot.sent_by_mapper()))
     mapper.peer.spin_until(lambda: mapping_status(arrays) == (STALE, SILENT))
-    assert not robot.is_sending(0.5)
+    robot.stops_sending()
     num_poses = len(robot.poses)
     blind = Scan(np.full(360, np.nan), -np.pi, 2.0 * np.pi / 360, 0.05, 30.0)
     robot.send(blind, T0_NS + robot.step * PERIOD_NS)
@@ -212,12 +234,12 @@ def test_map_to_odom_stops_when_no_scan_finds_its_transform(mapper):
     for step in range(30):
         robot.send_scan(SE2.identity(), T0_NS + (20 + step) * PERIOD_NS, frame="nowhere")
         mapper.peer.spin(0.1)
-    assert mapping_status(arrays) == (STALE, SILENT)
-    assert not robot.is_sending(0.5)
+    mapper.peer.spin_until(lambda: mapping_status(arrays) == (STALE, SILENT))
+    robot.stops_sending()
 
 
-def test_transforms_that_jump_back_stop_map_to_odom_at_once(mapper):
-    """Well within scan_timeout_s (2 s) of the last scan."""
+def test_transforms_that_jump_back_stop_map_to_odom(make_mapper):
+    mapper = make_mapper(PATIENT)
     robot = mapper.robot
     robot.drive(15)
     mapper.peer.spin_until(lambda: bool(robot.sent_by_mapper()))
@@ -226,8 +248,7 @@ def test_transforms_that_jump_back_stop_map_to_odom_at_once(mapper):
         robot.send_odometry(SE2.identity(), T0_NS // 2 + number)
         mapper.peer.spin(0.005)
     mapper.node.wait_for("jumped back without /clock")
-    mapper.peer.spin(0.1)
-    assert not robot.is_sending(0.4)
+    robot.stops_sending()
 
 
 def test_a_clock_that_jumps_back_stops_map_to_odom_until_a_scan_is_trusted(start, peer):
@@ -236,9 +257,9 @@ def test_a_clock_that_jumps_back_stops_map_to_odom_until_a_scan_is_trusted(start
     from floornav_common.ros.messages import ns_to_stamp
 
     node = start(*NODE, "--ros-args", "-p", "use_sim_time:=true")
-    node.wait_for("ready", 60.0)
+    node.wait_for("ready", READY_S)
     robot = Robot(peer, node)
-    clock = peer.publisher(Clock, "/clock", 1)
+    clock = peer.publisher(Clock, "/clock", 1, to=node)
 
     def tick(first_ns: int, num: int) -> None:
         for number in range(num):
@@ -256,7 +277,10 @@ def test_a_clock_that_jumps_back_stops_map_to_odom_until_a_scan_is_trusted(start
     assert not robot.sent_by_mapper()
     robot.step = 0
     robot.drive(2)
-    tick(T0_NS + 15 * PERIOD_NS, 10)
+    for step in range(1000):
+        tick(T0_NS + (15 + step) * PERIOD_NS, 2)
+        if robot.sent_by_mapper():
+            break
     assert robot.sent_by_mapper()
 
 
@@ -281,7 +305,7 @@ def test_another_source_of_map_to_odom_is_named_and_left_alone(mapper):
         msg.transforms = [_stamped("map", "odom", T0_NS, other)]
         robot._tf.publish(msg)
         robot.drive(1)
-    assert "test_peer" in mapper.node.wait_for("also published by", 5.0)
+    assert "test_peer" in mapper.node.wait_for("also published by")
     assert all(t.transform.translation.x == 5.0 for t in robot.sent_by_mapper())
 
 
@@ -311,7 +335,7 @@ def test_reset_replaces_the_latched_map_by_one_unknown_cell(mapper, make_peer):
 
 def test_a_wrong_parameter_ends_the_node_with_one_line(start):
     node = start(*NODE, "--ros-args", "-p", "matcher.cell_m:=-1.0")
-    assert node.wait_for_exit(30.0) == 2
+    assert node.wait_for_exit() == 2
     assert "matcher.cell_m must be > 0" in node.text and "Traceback" not in node.text
 
 
@@ -322,7 +346,7 @@ def test_it_runs_with_nothing_but_paths_in_its_environment(start, peer, monkeypa
         if name not in (*kept, *own, "_ROS_WHEELS_BOOTSTRAP_COMPLETE"):
             monkeypatch.delenv(name)
     node = start(*NODE)
-    node.wait_for("ready", 60.0)
+    node.wait_for("ready", READY_S)
     robot = Robot(peer, node)
     robot.drive(5)
     assert len(robot.poses) == 5

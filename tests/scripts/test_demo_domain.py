@@ -29,7 +29,7 @@ def test_another_clock_in_the_chosen_domain_is_one_line(
         done = subprocess.run(
             [sys.executable, str(DEMO), world, "--headless", "--out", str(tmp_path / "out")],
             env={**os.environ, "FLOORNAV_ENV_READY": "1"}, capture_output=True, text=True,
-            timeout=60.0,
+            timeout=300.0,
         )  # fmt: skip
     finally:
         node.destroy_node()

@@ -243,7 +243,7 @@ def test_arguments_and_exit_code_pass_through(tmp_path: Path) -> None:
 def test_signals_reach_the_command_itself(tmp_path: Path) -> None:
     body = (
         "import signal, time\nsignal.signal(signal.SIGTERM, lambda *_: sys.exit(5))\n"
-        "print('on', flush=True)\ntime.sleep(30)"
+        "print('on', flush=True)\ntime.sleep(600)"
     )
     process = subprocess.Popen(
         entering(tmp_path, body), env=outside(), stdout=subprocess.PIPE, text=True
@@ -251,7 +251,7 @@ def test_signals_reach_the_command_itself(tmp_path: Path) -> None:
     assert process.stdout is not None
     assert process.stdout.readline() == "on\n"
     process.send_signal(signal.SIGTERM)
-    assert process.wait(timeout=10) == 5
+    assert process.wait(timeout=60) == 5
     process.stdout.close()
 
 

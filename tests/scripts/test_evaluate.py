@@ -29,7 +29,7 @@ def test_bad_input_of_live_mapping_is_one_line_and_leaves_no_folder(
     (tmp_path / "empty").mkdir()
     (tmp_path / "a" / "empty").mkdir(parents=True)
     done = subprocess.run(
-        [sys.executable, str(EVALUATE), "live-mapping", *words], cwd=tmp_path, timeout=60.0,
+        [sys.executable, str(EVALUATE), "live-mapping", *words], cwd=tmp_path, timeout=300.0,
         env={**os.environ, "FLOORNAV_ENV_READY": "1"}, capture_output=True, text=True,
     )  # fmt: skip
     text = done.stdout + done.stderr

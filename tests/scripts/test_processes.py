@@ -19,10 +19,10 @@ from pathlib import Path
 from _processes import Processes
 
 with Processes(Path({logs!r}), os.environ) as children:
-    children.start("child", [sys.executable, "-c", "import os, time; print(os.getpid(), flush=True); time.sleep(60)"])
-    children.wait_for_line("child", "\\n", 20.0, lambda: time.sleep(0.01))
+    children.start("child", [sys.executable, "-c", "import os, time; print(os.getpid(), flush=True); time.sleep(600)"])
+    children.wait_for_line("child", "\\n", 60.0, lambda: time.sleep(0.01))
     print(children.tail("child"), flush=True)
-    time.sleep(60)
+    time.sleep(600)
 """  # noqa: E501
 
 
@@ -43,8 +43,8 @@ def test_a_starter_that_is_killed_outright_leaves_no_child_behind(tmp_path: Path
     pid = int(starter.stdout.readline())
     assert is_running(pid)
     starter.kill()
-    starter.communicate(timeout=10)
-    end = time.monotonic() + 10.0
+    starter.communicate(timeout=60)
+    end = time.monotonic() + 60.0
     while is_running(pid):
         assert time.monotonic() < end, f"child {pid} still runs"
         time.sleep(0.05)
@@ -61,5 +61,5 @@ def test_a_child_that_ends_is_named_with_its_exit_code_and_last_lines(tmp_path: 
 
 def test_leaving_the_block_ends_the_children(tmp_path: Path) -> None:
     with Processes(tmp_path, {}) as children:
-        children.start("long", [sys.executable, "-c", "import time; time.sleep(60)"])
+        children.start("long", [sys.executable, "-c", "import time; time.sleep(600)"])
     assert children.exit_code("long") is not None
