@@ -39,6 +39,16 @@ KINDS: dict[str, type] = {
 """The class of each kind."""
 
 
+class _FlatLists(yaml.SafeDumper):
+    """Writes lists in one line."""
+
+
+_FlatLists.add_representer(
+    list,
+    lambda dumper, data: dumper.represent_sequence("tag:yaml.org,2002:seq", data, flow_style=True),
+)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Mount:
     """How a camera stands on its robot: the group `mount` of a camera file."""
@@ -79,14 +89,23 @@ def load_floor_camera(path: str | Path) -> FloorCamera:
 def save_floor_camera(floor_camera: FloorCamera, path: str | Path, comment: str = "") -> None:
     """Write a camera and its mount; `comment` stands above, each line behind a `#`."""
     mount = {f.name: getattr(floor_camera, f.name) for f in fields(Mount)}
-    text = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
-    content = {**_camera_values(floor_camera.camera), "mount": _plain(mount)}
-    write_atomic(Path(path), text + yaml.safe_dump(content, sort_keys=False, width=100))
+    _write({**camera_values(floor_camera.camera), "mount": _plain(mount)}, path, comment)
 
 
-def save_camera(camera: CentralCamera, path: str | Path) -> None:
+def save_camera(camera: CentralCamera, path: str | Path, comment: str = "") -> None:
     """Write a camera's model without a mount."""
-    text = yaml.safe_dump(_camera_values(camera), sort_keys=False, width=100)
+    _write(camera_values(camera), path, comment)
+
+
+def camera_values(camera: CentralCamera) -> dict[str, Any]:
+    """Return a camera's `kind` and keys as its file holds them."""
+    kind = next(name for name, known in KINDS.items() if isinstance(camera, known))
+    return {"kind": kind, **_plain(asdict(camera))}  # type: ignore[call-overload]
+
+
+def _write(content: dict[str, Any], path: str | Path, comment: str) -> None:
+    text = "".join(f"# {line}".rstrip() + "\n" for line in comment.splitlines())
+    text += yaml.dump(content, Dumper=_FlatLists, sort_keys=False, width=100)
     write_atomic(Path(path), text)
 
 
@@ -117,11 +136,6 @@ def _filled(kind: type, data: Mapping[str, Any], where: str) -> Any:
         return kind(**{name: coerce(name, hints[name], value) for name, value in data.items()})
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from error
-
-
-def _camera_values(camera: CentralCamera) -> dict[str, Any]:
-    kind = next(name for name, known in KINDS.items() if isinstance(camera, known))
-    return {"kind": kind, **_plain(asdict(camera))}  # type: ignore[call-overload]
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
