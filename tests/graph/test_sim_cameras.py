@@ -11,11 +11,15 @@ import pytest
 pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
 pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
 
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 from tf2_msgs.msg import TFMessage
 
 from floornav_common.ros.messages import image_to_array, stamp_to_ns
 from floornav_common.ros.qos import LATCHED_QOS, SENSOR_QOS
+from sim_bridge.nodes.camera_port import CameraPort
+from sim_bridge.robot_model import load_robot
+from sim_bridge.world import RobotPlacement
 
 LISTENING = Path(__file__).with_name("listening.py")
 START_S = 120.0  # the renderer may have to be compiled first
@@ -67,3 +71,27 @@ def test_stereo_pairs_come_with_their_camera_info(sim, peer) -> None:
         assert (info.width, info.height) == (image.width, image.height) == (320, 240)
         shift = -info.p[3] / info.p[0]
         assert shift == pytest.approx(0.12 if topic.endswith("right") else 0.0)
+
+
+def test_a_camera_is_watched_while_somebody_subscribes_to_any_of_its_topics(peer) -> None:
+    robot = load_robot(RobotPlacement(model="segway_stereo", position_m=(0.0, 0.0)))
+    port = CameraPort(peer.node, "", "", robot)
+    assert not port.is_watched("front") and not port.is_watched("rear")
+    subscription = peer.node.create_subscription(
+        CameraInfo, "stereo/front/right/camera_info", lambda _: None, SENSOR_QOS
+    )
+    peer.spin_until(lambda: port.is_watched("front"))
+    assert not port.is_watched("rear")
+    peer.node.destroy_subscription(subscription)
+    peer.spin_until(lambda: not port.is_watched("front"))
+
+
+def test_who_comes_late_gets_images_and_what_is_built_is_said_before_ready(sim, peer) -> None:
+    process = sim("small_size_field")
+    clock = peer.collect(Clock, "/clock", SENSOR_QOS)
+    peer.spin_until(lambda: clock and stamp_to_ns(clock[-1].clock) > 500_000_000)
+    images = peer.collect(Image, "omni/image_raw", SENSOR_QOS)
+    peer.spin_until(lambda: len(images) > 1)
+    assert stamp_to_ns(images[0].header.stamp) > 500_000_000
+    building = process.wait_for("building world 'small_size_field'")
+    assert process.lines.index(building) < process.lines.index(process.wait_for("ready"))

@@ -83,18 +83,14 @@ def _in_parts(pool: Executor | None, num: int, do: Callable[[int, int], None]) -
         list(pool.map(do, range(num), [num] * num))
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _uneven(image, is_seen, most):  # type: ignore[no-untyped-def]
+def _uneven(image: np.ndarray, is_seen: np.ndarray, most: float) -> np.ndarray:
     """Mark the pixels whose light differs by more than `most` from that of a neighbor."""
-    height, width = is_seen.shape
-    marked = np.full((height, width), most < 0.0)
-    for i in range(height):
-        for j in range(width):
-            for ni, nj in ((i + 1, j), (i, j + 1)):
-                if ni < height and nj < width and is_seen[i, j] and is_seen[ni, nj]:
-                    for c in range(3):
-                        if abs(image[i, j, c] - image[ni, nj, c]) > most:
-                            marked[i, j] = marked[ni, nj] = True
+    marked = np.full(is_seen.shape, most < 0.0)
+    for here, there in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
+        red, green, blue = np.moveaxis(np.abs(image[here] - image[there]) > most, -1, 0)
+        differs = (red | green | blue) & is_seen[here] & is_seen[there]
+        marked[here] |= differs
+        marked[there] |= differs
     return marked
 
 
