@@ -11,6 +11,7 @@ from _demo_report import OCCUPIED, errors, in_world
 from _demo_watch import Heard
 from floornav_common.reporting import Picture
 from floornav_common.se2 import SE2
+from sim_bridge.drawing import draw_panes
 from sim_bridge.simulation import Simulation
 from sim_bridge.solids import Solid
 
@@ -33,7 +34,7 @@ def write_pictures(out: Path, heard: Heard, start: SE2, solids: list[Solid], hei
     _fit(axes, solids)
     for side in axes.spines.values():
         side.set_visible(False)
-    figure.legend(loc="outside upper center", ncols=6, frameon=False, fontsize=12)
+    figure.legend(loc="outside upper center", ncols=7, frameon=False, fontsize=12)
     figure.savefig(out / "map.png", dpi=110)
     plt.close(figure)
 
@@ -98,8 +99,9 @@ def _draw_map(axes: Any, heard: Heard, start: SE2) -> None:
 
 
 def _draw_outline(axes: Any, solids: list[Solid], height: float) -> None:
+    draw_panes(axes, solids)
     has_label = {True: False, False: False}
-    for solid in solids:
+    for solid in (solid for solid in solids if solid.glass is None):
         corners = solid.outline()
         closed = np.vstack((corners, corners[:1]))
         is_seen = solid.is_at_height(height)

@@ -106,9 +106,9 @@ def write_report(
     )
     caption = (
         "Black: occupied cells; white: free; gray: unknown; blue: true outline at the height of "
-        "the laser. The robot steers by the mapper's pose. Visible surface in the map: share of "
-        f"what exact beams from the true way reach, but glass, that has an occupied cell within "
-        f"{FOUND_WITHIN_M:g} m."
+        "the laser, thick and light: glass. The robot steers by the mapper's pose. Visible "
+        "surface: what exact beams from the true way reach, but glass; in the map is what has an "
+        f"occupied cell within {FOUND_WITHIN_M:g} m."
     )
     rows = [[key, _flat(value)] for key, value in values.items() if key not in ("packages",)]
     overview = out / "world.png"

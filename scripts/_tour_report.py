@@ -34,10 +34,13 @@ def write_plan(
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(figsize=(11.0, 8.6), layout="constrained")
     empty = replace(world, robots=(), people=(), crowd=None)
     scenery = Simulation(plain(replace(empty, recorded_people=None)))
-    draw_from_above(axes, scenery, extent_of(scenery, _places(heard)))
+    low, high = extent_of(scenery, _places(heard))
+    share = float((high - low)[1] / (high - low)[0])
+    width = min(11.0, 9.0 / share)
+    figure, axes = plt.subplots(figsize=(width, width * share + 1.0), layout="constrained")
+    draw_from_above(axes, scenery, (low, high))
     scenery.close()
     _draw_people(axes, heard, world.people_model)
     for number, (name, model) in enumerate(models.items()):
@@ -116,7 +119,9 @@ def _draw_robot(axes: Any, name: str, model: RobotModel, heard: RobotHeard, colo
     if not heard.truth:
         return
     way = np.array([(pose.x, pose.y) for _, pose in heard.truth])
-    axes.plot(*way.T, color=color, lw=1.6, zorder=4, label=name or "robot")
+    # A white edge, so that the way shows on every floor.
+    axes.plot(*way.T, color="white", lw=4.0, zorder=4)
+    axes.plot(*way.T, color=color, lw=2.0, zorder=4, label=name or "robot")
     corners = heard.truth[-1][1] @ np.array(model.config.footprint_m)
     axes.fill(*corners.T, facecolor="white", edgecolor=color, lw=1.6, zorder=6)
     if heard.scan is not None and model.config.laser is not None:
