@@ -213,7 +213,7 @@ class Demo:
                 real_time_factor=str(float(self._args.rtf)),
                 view=str(self._has_window).lower(),
                 start_nodes="[grid_mapper, route_follower, bag_recorder, demo_watch]",
-                pace_topics="[cmd_vel, pose]",
+                pace_nodes="[grid_mapper, route_follower]",
                 pace_lag_s="0.12",
             ),
         }

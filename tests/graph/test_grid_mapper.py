@@ -272,7 +272,7 @@ def test_a_clock_that_jumps_back_stops_map_to_odom_until_a_scan_is_trusted(start
     peer.spin_until(lambda: bool(robot.sent_by_mapper()))
     tick(T0_NS, 3)
     node.wait_for("the clock jumped back")
-    robot.transforms.clear()
+    robot.stops_sending()
     tick(T0_NS + PERIOD_NS, 20)
     assert not robot.sent_by_mapper()
     robot.step = 0
