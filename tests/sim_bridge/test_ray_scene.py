@@ -18,9 +18,8 @@ def _both(simulation: Simulation, num: int, seed: int = 0) -> tuple:
     physics, rng = simulation._physics, np.random.default_rng(seed)
     starts = np.column_stack((rng.uniform(0.5, 5.5, (num, 2)), rng.uniform(0.05, 1.5, num)))
     ends = starts + rng.normal(0.0, 4.0, (num, 3)) * [1.0, 1.0, 0.1]
-    mask = 0x3FFFFFFF
-    ours = physics._rays.cast(starts, ends, mask)
-    theirs = hits_of(cast_rays(physics._engine, physics._client, starts, ends, mask))
+    ours = physics._rays.cast(starts, ends)
+    theirs = hits_of(cast_rays(physics._engine, physics._client, starts, ends, -1))
     return ours, theirs
 
 
@@ -41,16 +40,14 @@ def test_rays_end_where_the_engine_says(simulate, world: str) -> None:
 
 def test_a_ray_onto_a_wall_by_hand(simulate) -> None:
     simulation = simulate(box_room(PERFECT))
-    hits = simulation._physics._rays.cast(
-        np.array([[3.0, 2.0, 1.0]]), np.array([[3.0, 6.0, 1.0]]), 0x3FFFFFFF
-    )
+    hits = simulation._physics._rays.cast(np.array([[3.0, 2.0, 1.0]]), np.array([[3.0, 6.0, 1.0]]))
     assert hits.shares[0] == pytest.approx(0.5) and np.allclose(hits.normals[0], [0, -1, 0])
 
 
-def test_a_masked_group_is_not_hit(simulate) -> None:
+def test_an_unseen_group_is_not_hit(simulate) -> None:
     simulation = simulate(box_room(PERFECT))
     start, end = np.array([[2.0, 3.0, 0.2]]), np.array([[2.0, -1.0, 0.2]])
     rays = simulation._physics._rays
-    with_robot, without = (rays.cast(start, end, mask).shares[0] for mask in (7, 3))
+    with_robot, without = (rays.cast(start, end, unseen).shares[0] for unseen in ((), (3,)))
     assert with_robot == pytest.approx((3.0 - 1.28) / 4.0)
     assert without == pytest.approx(3.0 / 4.0)

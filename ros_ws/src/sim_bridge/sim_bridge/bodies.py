@@ -11,6 +11,8 @@ from sim_bridge.solids import Solid
 
 FLOOR = Solid("floor", SE2.identity(), (100.0, 100.0, 0.1), -0.1, False, (0.62, 0.60, 0.56), 0.0)
 
+_UNTILTABLE = 1e6  # kg m^2
+
 
 def make_solid(engine: Any, client: int, solid: Solid, alpha: float) -> int:
     """Return the body of a solid; `alpha` is how opaque it is drawn, 0..1."""
@@ -38,13 +40,21 @@ def make_solid(engine: Any, client: int, solid: Solid, alpha: float) -> int:
 
 
 def make_robot(engine: Any, client: int, model: RobotModel, pose: SE2, floor: int) -> int:
-    """Return the body of a robot, which the floor body does not touch: it moves in the plane."""
+    """Return the body of a robot, which the floor body does not touch: it moves in the plane.
+
+    It is as good as infinitely hard to tilt: what is met far from the height of its middle of mass
+    must stop it, and not tip it.
+    """
     body: int = engine.loadURDF(
         str(model.urdf_path),
         [pose.x, pose.y, 0.0],
         _turned(pose.yaw),
         flags=engine.URDF_USE_IMPLICIT_CYLINDER,  # not a polyhedron
         physicsClientId=client,
+    )
+    izz = engine.getDynamicsInfo(body, -1, physicsClientId=client)[2][2]
+    engine.changeDynamics(
+        body, -1, localInertiaDiagonal=[_UNTILTABLE, _UNTILTABLE, izz], physicsClientId=client
     )
     for link in range(-1, engine.getNumJoints(body, physicsClientId=client)):
         engine.changeDynamics(

@@ -1,13 +1,15 @@
 """The pybullet side: bodies, contacts, rays. Nothing else in the package knows pybullet.
 
 Robots move in the plane: each step their floor velocity is set, the engine resolves contacts,
-and height and tilt are put back. A robot against a wall stands while its wheels turn.
+and height and tilt are put back. A robot against a wall stands while its wheels turn; one that
+meets a person goes on no farther than it comes on its own way, and people do not move it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -17,17 +19,21 @@ from sim_bridge.drawn_shapes import DrawnShapes
 from sim_bridge.drive import Velocity
 from sim_bridge.engine import PybulletMissingError, connect, require_pybullet
 from sim_bridge.engine_picture import engine_picture, paint
+from sim_bridge.floor_motion import floor_velocity, on_its_way
 from sim_bridge.ray_scene import RayScene
 from sim_bridge.rays import Hits
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.solids import Solid
+from sim_bridge.surfaces import NAMES
 
 __all__ = ["Physics", "PybulletMissingError", "require_pybullet"]
 
 _SCENERY_GROUP = 1
 _GLASS_GROUP = 2
-_ALL_GROUPS = 0x3FFFFFFF
-_STANDING_GROUP = 1 << 29  # for contacts only
+_FIRST_ROBOT_GROUP = 3
+_ALL_COLLIDE = 0x3FFFFFFF
+_STANDS = 1 << 29  # what stands for ever need not be tested against itself: most of a step
+_FARTHEST = 0.01  # that a robot goes between two looks for contacts, m
 
 
 class Physics:
@@ -51,26 +57,11 @@ class Physics:
         has_window: bool = False,
     ) -> None:
         self._engine, self._client = connect(has_window)
-        self._bodies: dict[str, int] = {}
-        self._groups: dict[str, int] = {}
-        self._body_groups: dict[int, int] = {}
-        self._panes: list[int] = []
-        self._solids: dict[int, Solid] = {}
+        self._scenery, self._mover_solids, self._robots = solids, movers, robots
+        self._dt = dt
         # The engine's own renderer knows only opaque and absent; its window can blend.
         self._glass_alpha = 0.3 if has_window else 0.0
-        self._floor = self._add_solid(FLOOR)
-        for solid in solids:
-            self._add_solid(solid)
-        self._movers = [(self._add_solid(m), m.bottom + m.size[2] / 2.0) for m in movers]
-        for name, (model, pose) in robots.items():
-            self._add_robot(name, model, pose)
-        engine, client = self._engine, self._client
-        engine.setGravity(0.0, 0.0, -9.81, physicsClientId=client)
-        engine.setPhysicsEngineParameter(
-            fixedTimeStep=dt, deterministicOverlappingPairs=1, physicsClientId=client
-        )
-        self._start, self._dt = engine.saveState(physicsClientId=client), dt
-        self._rays = RayScene(engine, client, self._body_groups, self._moving_bodies())
+        self._build()
 
     def close(self) -> None:
         """Free the engine."""
@@ -78,17 +69,30 @@ class Physics:
             self._engine.disconnect(physicsClientId=self._client)
 
     def reset(self) -> None:
-        """Put every body back to where it started."""
-        self._engine.restoreState(stateId=self._start, physicsClientId=self._client)
-        self._rays.moved()
+        """Put every body back to where it started.
+
+        The engine is built again: a state that it saves leaves out in which order it met bodies.
+        Bodies get the numbers that they had.
+        """
+        self._engine.resetSimulation(physicsClientId=self._client)
+        self._build()
 
     def step(self, velocities: dict[str, Velocity]) -> None:
         """Move everything on by one step; every robot needs its floor velocity."""
-        for name, velocity in velocities.items():
-            self._set_velocity(name, velocity)
+        before = {name: self.pose(name) for name in velocities}
+        floor = {
+            name: floor_velocity(before[name].yaw, v, self._dt) for name, v in velocities.items()
+        }
+        for name, (x, y, turn) in floor.items():
+            self._engine.resetBaseVelocity(
+                self._bodies[name], (x, y, 0.0), (0.0, 0.0, turn), physicsClientId=self._client
+            )
         self._engine.stepSimulation(physicsClientId=self._client)
         for name in velocities:
-            self._set_pose(name, self.pose(name))
+            pose = self.pose(name)
+            if self._meets_person(name):
+                pose = on_its_way(before[name], pose, np.array(floor[name]) * self._dt)
+            self._set_pose(name, pose)
         self._rays.moved()
 
     def drawn_shapes(self) -> DrawnShapes:
@@ -113,35 +117,27 @@ class Physics:
 
     def is_touching(self, name: str) -> bool:
         """Tell whether a robot touches anything but the floor."""
-        contacts = self._engine.getContactPoints(
-            bodyA=self._bodies[name], physicsClientId=self._client
-        )
-        return any(c[2] != self._floor and c[8] <= 1e-4 for c in contacts)
+        return any(c[2] != self._floor and c[8] <= 1e-4 for c in self._contacts(name))
 
-    def cast(self, name: str, T_base_sensor: np.ndarray, rays_sensor: np.ndarray) -> np.ndarray:
-        """Return how far light rays of a robot's sensor reach, in shares of their length.
+    def cast_light(self, name: str, starts: np.ndarray, ends: np.ndarray) -> Hits:
+        """Return where rays of light end, from and to points in the world, (N, 3) each, m.
 
-        Args:
-            name: The robot; its own body does not stop its rays, nor does glass.
-            T_base_sensor: Pose of the sensor on the robot, (4, 4).
-            rays_sensor: End of each ray in the sensor frame, shape (N, 3), m.
-
-        Returns:
-            Shape (N,): 0..1 where something is hit, inf where nothing is.
+        Neither glass stops them nor the robot that sends them.
         """
-        T = self.sensor_pose(name, T_base_sensor)
-        ends = rays_sensor @ T[:3, :3].T + T[:3, 3]
-        starts = np.broadcast_to(T[:3, 3], ends.shape)
-        mask = _ALL_GROUPS & ~self._groups[name] & ~_GLASS_GROUP
-        return self._rays.cast(starts, ends, mask).shares
+        return self._rays.cast(starts, ends, (self._groups[name], _GLASS_GROUP))
 
     def cast_sound(self, name: str, starts: np.ndarray, ends: np.ndarray) -> Hits:
         """Return where rays of sound end, from and to points in the world, (N, 3) each, m.
 
         Glass stops them; the robot that sends them does not.
         """
-        mask = _ALL_GROUPS & ~self._groups[name]
-        return self._rays.cast(starts, ends, mask)
+        return self._rays.cast(starts, ends, (self._groups[name],))
+
+    def nearest_in_cone(
+        self, name: str, place: np.ndarray, axis: np.ndarray, cos_half: float, reach: float
+    ) -> np.ndarray:
+        """Return unit vectors to the nearest points in a cone of sound, as `RayScene` does."""
+        return self._rays.nearest_in_cone(place, axis, cos_half, reach, (self._groups[name],))
 
     def sensor_pose(self, name: str, T_base_sensor: np.ndarray) -> np.ndarray:
         """Return `T_world_sensor`, (4, 4)."""
@@ -174,19 +170,14 @@ class Physics:
         paint(engine, client, self._panes, 1.0 if has_glass else self._glass_alpha)
         return engine_picture(engine, client, eye, target, size, fov_deg, up)
 
-    def _set_velocity(self, name: str, velocity: Velocity) -> None:
-        # Along the middle direction of the step, with the chord of the arc: no curve is cut.
-        turn = velocity.yaw_rate * self._dt
-        middle = self.pose(name).yaw + turn / 2.0
-        shrunk = float(np.sinc(turn / (2.0 * np.pi)))
-        ahead, aside = shrunk * velocity.speed, shrunk * velocity.side_speed
-        c, s = math.cos(middle), math.sin(middle)
-        self._engine.resetBaseVelocity(
-            self._bodies[name],
-            [ahead * c - aside * s, ahead * s + aside * c, 0.0],
-            [0.0, 0.0, velocity.yaw_rate],
-            physicsClientId=self._client,
-        )
+    def _meets_person(self, name: str) -> bool:
+        contacts = () if not self._movers else self._contacts(name)
+        return any(contact[2] in self._mover_bodies for contact in contacts)
+
+    def _contacts(self, name: str) -> tuple[Any, ...]:
+        body = self._bodies[name]
+        found = self._engine.getContactPoints(bodyA=body, physicsClientId=self._client)
+        return tuple(found or ())
 
     def _set_pose(self, name: str, pose: SE2) -> None:
         quat_xyzw = [0.0, 0.0, math.sin(pose.yaw / 2.0), math.cos(pose.yaw / 2.0)]
@@ -194,13 +185,42 @@ class Physics:
             self._bodies[name], [pose.x, pose.y, 0.0], quat_xyzw, physicsClientId=self._client
         )
 
+    def _build(self) -> None:
+        """Fill an empty engine."""
+        self._bodies: dict[str, int] = {}
+        self._groups: dict[str, int] = {}
+        self._body_groups: dict[int, int] = {}
+        self._panes: list[int] = []
+        self._solids: dict[int, Solid] = {}
+        engine, client = self._engine, self._client
+        self._floor = self._add_solid(FLOOR)
+        for solid in self._scenery:
+            self._add_solid(solid)
+        self._movers = [
+            (self._add_solid(m), m.bottom + m.size[2] / 2.0) for m in self._mover_solids
+        ]
+        self._mover_bodies = {body for body, _ in self._movers}
+        for name, (model, pose) in self._robots.items():
+            self._add_robot(name, model, pose)
+        engine.setGravity(0.0, 0.0, -9.81, physicsClientId=client)
+        engine.setPhysicsEngineParameter(
+            fixedTimeStep=self._dt, deterministicOverlappingPairs=1,
+            numSubSteps=self._num_looks(), physicsClientId=client,
+        )  # fmt: skip
+        made_of = {body: NAMES.index(solid.surface) for body, solid in self._solids.items()}
+        robots = dict.fromkeys(self._bodies.values(), NAMES.index("rough"))
+        self._rays = RayScene(
+            engine, client, self._body_groups, self._moving_bodies(), {**made_of, **robots}
+        )
+
     def _add_solid(self, solid: Solid) -> int:
         alpha = 1.0 if solid.glass is None else self._glass_alpha
         body = make_solid(self._engine, self._client, solid, alpha)
-        group = _SCENERY_GROUP if solid.glass is None else _GLASS_GROUP
-        # What stands for ever need not be tested against each other: that is most of a step.
-        stands = solid.mass == 0.0
-        self._set_group(body, group, _ALL_GROUPS & ~_STANDING_GROUP if stands else _ALL_GROUPS)
+        self._body_groups[body] = _SCENERY_GROUP if solid.glass is None else _GLASS_GROUP
+        if solid.mass == 0.0:
+            self._engine.setCollisionFilterGroupMask(
+                body, -1, _STANDS, _ALL_COLLIDE & ~_STANDS, physicsClientId=self._client
+            )
         if solid.glass is not None:
             self._panes.append(body)
         self._solids[body] = solid
@@ -208,19 +228,16 @@ class Physics:
 
     def _add_robot(self, name: str, model: RobotModel, pose: SE2) -> None:
         body = make_robot(self._engine, self._client, model, pose, self._floor)
+        self._groups[name] = _FIRST_ROBOT_GROUP + len(self._bodies)
         self._bodies[name] = body
-        self._groups[name] = 1 << (len(self._bodies) + 1)
-        self._set_group(body, self._groups[name])
+        self._body_groups[body] = self._groups[name]
+
+    def _num_looks(self) -> int:
+        """Return how often contacts are looked for in a step, so that nothing is passed through."""
+        drives = [model.config.drive for model, _ in self._robots.values()]
+        farthest = self._dt * max((drive.max_speed_m_s for drive in drives), default=0.0)
+        return max(math.ceil(farthest / _FARTHEST), 1)
 
     def _moving_bodies(self) -> list[int]:
         pushed = [body for body, solid in self._solids.items() if solid.mass > 0.0]
-        return [*pushed, *(body for body, _ in self._movers), *self._bodies.values()]
-
-    def _set_group(self, body: int, group: int, mask: int = _ALL_GROUPS) -> None:
-        self._body_groups[body] = group
-        if mask != _ALL_GROUPS:
-            group = _STANDING_GROUP
-        for link in range(-1, self._engine.getNumJoints(body, physicsClientId=self._client)):
-            self._engine.setCollisionFilterGroupMask(
-                body, link, group, mask, physicsClientId=self._client
-            )
+        return [*pushed, *self._mover_bodies, *self._bodies.values()]

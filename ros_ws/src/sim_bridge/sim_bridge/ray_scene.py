@@ -2,7 +2,7 @@
 
 Sensors cast tens of thousands of rays in a simulated second; the engine takes about 7 us for each
 in a furnished floor (107 bodies), most of it for lists of Python numbers, the kernel under 1 us.
-Shapes are the collision shapes: boxes, cylinders, spheres, capsules' cylinders are exact.
+Shapes are the collision shapes: boxes, cylinders and spheres; nothing else is taken.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numba
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from sim_bridge.nearest import nearest_in_cone
 from sim_bridge.ray_shapes import HALF, NUM_COLUMNS, meet, normal_at, turned
 from sim_bridge.rays import Hits
 from sim_bridge.schema import WorldError
@@ -26,15 +27,21 @@ class RayScene:
     Args:
         engine: Pybullet.
         client: Its client.
-        groups: Group of each body, a bit that a mask lets through, by body.
+        groups: Number of the group of each body, by body.
         moving: Bodies that may move.
+        surfaces: What each body is made of, as a number of `surfaces.NAMES`, by body.
 
     Raises:
         WorldError: A body has a collision shape that is no box, cylinder or sphere.
     """
 
     def __init__(
-        self, engine: Any, client: int, groups: Mapping[int, int], moving: Iterable[int]
+        self,
+        engine: Any,
+        client: int,
+        groups: Mapping[int, int],
+        moving: Iterable[int],
+        surfaces: Mapping[int, int],
     ) -> None:
         self._engine, self._client, self._moving = engine, client, list(moving)
         shapes = [
@@ -44,33 +51,76 @@ class RayScene:
             for kind, half, T_link_shape in _shapes_of(engine, client, body, link)
         ]
         self._kinds = np.array([shape[2] for shape in shapes], dtype=np.int64)
+        self._seen_rows: dict[tuple[int, ...], np.ndarray] = {}
         self._groups = np.array([groups[shape[0]] for shape in shapes], dtype=np.int64)
         self._T_body_shape = np.array([shape[4] for shape in shapes]).reshape(-1, 4, 4)
         self._places = np.zeros((len(shapes), NUM_COLUMNS))
         self._places[:, HALF : HALF + 3] = np.array([s[3] for s in shapes]).reshape(-1, 3)
         self._middles = np.zeros((len(shapes), 3))
+        self._surfaces = np.array([surfaces[shape[0]] for shape in shapes], dtype=np.int64)
         bodies = np.array([shape[0] for shape in shapes])
         self._rows = {body: np.flatnonzero(bodies == body) for body in groups}
         self._place(list(groups))
         self._is_old = False
-        self.cast(np.zeros((0, 3)), np.zeros((0, 3)), 0)  # compiles the kernel, if it is not yet
+        # Compiles the kernels, if they are not yet.
+        self.cast(np.zeros((0, 3)), np.zeros((0, 3)))
+        self.nearest_in_cone(np.zeros(3), np.zeros(3), 0.0, 0.0)
 
     def moved(self) -> None:
         """Note that bodies may have moved."""
         self._is_old = True
 
-    def cast(self, starts: np.ndarray, ends: np.ndarray, mask: int) -> Hits:
-        """Return where rays from `starts` to `ends`, (N, 3) each, m, meet the first shape."""
+    def cast(self, starts: np.ndarray, ends: np.ndarray, unseen: tuple[int, ...] = ()) -> Hits:
+        """Return where rays from `starts` to `ends`, (N, 3) each, m, meet the first shape.
+
+        Shapes of the groups `unseen` do not stop them.
+        """
+        self._bring_up_to_date()
+        shares, normals = np.empty(len(ends)), np.zeros((len(ends), 3))
+        firsts = np.empty(len(ends), dtype=np.int64)
+        seen = self._seen(unseen)
+        _cast(
+            np.ascontiguousarray(starts, dtype=float), np.ascontiguousarray(ends, dtype=float),
+            self._places, self._kinds, self._middles, seen, shares, normals, firsts,
+        )  # fmt: skip
+        return Hits(shares, normals, np.where(firsts < 0, 0, self._surfaces[firsts]))
+
+    def nearest_in_cone(
+        self,
+        place: np.ndarray,
+        axis: np.ndarray,
+        cos_half: float,
+        reach: float,
+        unseen: tuple[int, ...] = (),
+    ) -> np.ndarray:
+        """Return unit vectors to the nearest point of each shape that has it in a cone, (K, 3).
+
+        Args:
+            place: Tip of the cone in the world, (3,), m.
+            axis: Unit vector along it, (3,).
+            cos_half: Cosine of its half angle.
+            reach: Points farther than this are left out, m.
+            unseen: As for `cast`.
+        """
+        self._bring_up_to_date()
+        seen = self._seen(unseen)
+        headings = np.empty((len(seen), 3))
+        num = nearest_in_cone(
+            np.ascontiguousarray(place), np.ascontiguousarray(axis), float(cos_half), float(reach),
+            self._places, self._kinds, self._middles, seen, headings,
+        )  # fmt: skip
+        return headings[:num]
+
+    def _bring_up_to_date(self) -> None:
         if self._is_old:
             self._place(self._moving)
             self._is_old = False
-        shares, normals = np.empty(len(ends)), np.zeros((len(ends), 3))
-        seen = np.flatnonzero(self._groups & mask)
-        _cast(
-            np.ascontiguousarray(starts, dtype=float), np.ascontiguousarray(ends, dtype=float),
-            self._places, self._kinds, self._middles, seen, shares, normals,
-        )  # fmt: skip
-        return Hits(shares, normals)
+
+    def _seen(self, unseen: tuple[int, ...]) -> np.ndarray:
+        """Return the rows of shapes of all groups but `unseen`."""
+        if unseen not in self._seen_rows:
+            self._seen_rows[unseen] = np.flatnonzero(~np.isin(self._groups, unseen))
+        return self._seen_rows[unseen]
 
     def _place(self, bodies: list[int]) -> None:
         """Read where bodies are, and turn that into the kernel's rows."""
@@ -123,9 +173,9 @@ def _matrix(position: Any, quat_xyzw: Any) -> np.ndarray:
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def _cast(  # type: ignore[no-untyped-def]
-    starts, ends, places, kinds, middles, seen, shares, normals
+    starts, ends, places, kinds, middles, seen, shares, normals, firsts
 ):
-    """Fill shares of the rays' lengths (inf for no hit) and normals in the world."""
+    """Fill shares of the rays' lengths (inf for no hit), normals in the world, shapes (or -1)."""
     radii = np.empty(len(kinds))
     for i in seen:
         x, y, z = places[i, HALF], places[i, HALF + 1], places[i, HALF + 2]
@@ -150,6 +200,7 @@ def _cast(  # type: ignore[no-untyped-def]
             if share < best:
                 best, first = share, i
         shares[n] = best if first < len(kinds) else np.inf
+        firsts[n] = first if first < len(kinds) else -1
         if first < len(kinds):
             x, y, z = sx + best * dx, sy + best * dy, sz + best * dz
             _write_normal(kinds[first], places, middles, first, x, y, z, normals, n)
