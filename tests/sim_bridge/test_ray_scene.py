@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from sim_bridge.drive import Velocity
-from sim_bridge.rays import cast_rays, hits_of
+from sim_bridge.physics import Physics
+from sim_bridge.rays import Hits
 from sim_bridge.simulation import Simulation
 from sim_bridge.world import load_world
 
@@ -14,12 +15,21 @@ TOL = 2e-4  # of a ray's length; the engine's own margin
 _SAME = 0.995  # edges fall on one side or the other
 
 
+def _engine_hits(physics: Physics, starts: np.ndarray, ends: np.ndarray) -> Hits:
+    """Return what the engine's own rays meet; it does not say what things are made of."""
+    answers = physics._engine.rayTestBatch(
+        starts.tolist(), ends.tolist(), collisionFilterMask=-1, physicsClientId=physics._client
+    )
+    shares = np.array([hit[2] if hit[0] >= 0 else np.inf for hit in answers])
+    return Hits(shares, np.array([hit[4] for hit in answers]), np.zeros(len(answers), int))
+
+
 def _both(simulation: Simulation, num: int, seed: int = 0) -> tuple:
     physics, rng = simulation._physics, np.random.default_rng(seed)
     starts = np.column_stack((rng.uniform(0.5, 5.5, (num, 2)), rng.uniform(0.05, 1.5, num)))
     ends = starts + rng.normal(0.0, 4.0, (num, 3)) * [1.0, 1.0, 0.1]
     ours = physics._rays.cast(starts, ends)
-    theirs = hits_of(cast_rays(physics._engine, physics._client, starts, ends, -1))
+    theirs = _engine_hits(physics, starts, ends)
     return ours, theirs
 
 

@@ -10,6 +10,7 @@ from sim_bridge.ranging import fired_sonars
 from sim_bridge.rays import Hits
 from sim_bridge.sonar import cone_rays, first_echoes, readings
 from sim_bridge.sonar_config import SonarConfig
+from sim_bridge.surfaces import NAMES
 
 TOL_M = 2e-3
 EXACT = SonarConfig(
@@ -23,7 +24,7 @@ def _pose(x: float, y: float, yaw_deg: float) -> np.ndarray:
     return np.array([[c, -s, 0, x], [s, c, 0, y], [0, 0, 1, 0], [0, 0, 0, 1.0]])
 
 
-def _planes(*planes: tuple[tuple[float, float], float]):
+def _planes(*planes: tuple[tuple[float, float], float], surface: str = "smooth"):
     """Return a cast against upright walls n . p = d that are seen from the side n . p < d."""
 
     def cast(starts: np.ndarray, ends: np.ndarray) -> Hits:
@@ -35,14 +36,14 @@ def _planes(*planes: tuple[tuple[float, float], float]):
                 t = (d - starts @ n) / speed
             is_hit = (speed > 0.0) & (t > 0.0) & (t <= 1.0) & (t < shares)
             shares[is_hit], normals[is_hit] = t[is_hit], -n
-        return Hits(shares, normals)
+        return Hits(shares, normals, np.full(len(shares), NAMES.index(surface)))
 
     return cast
 
 
 def _hear(config: SonarConfig, poses: list[np.ndarray], cast) -> np.ndarray:
     critical = np.full(len(poses), config.critical_rad)
-    return first_echoes(config, np.array(poses), critical, cast)
+    return first_echoes(config, np.array(poses), critical, cast, lambda *_: np.zeros((0, 3)))
 
 
 WALL = _planes(((1.0, 0.0), 2.0))
@@ -60,6 +61,14 @@ def test_beyond_cone_and_critical_angle_a_wall_gives_no_echo() -> None:
     # Half the cone is 10 degrees, the critical angle 15.
     assert np.isfinite(_hear(EXACT, [_pose(0, 0, 24)], WALL)).all()
     assert np.isinf(_hear(EXACT, [_pose(0, 0, 27)], WALL)).all()
+
+
+def test_cloth_answers_at_a_slant_where_plaster_does_not() -> None:
+    sofa, books = (_planes(((1.0, 0.0), 2.0), surface=name) for name in ("cloth", "rough"))
+    # Critical: 15 degrees on plaster, 45 on books, 75 on cloth; half the cone is 10.
+    assert np.isfinite(_hear(EXACT, [_pose(0, 0, 50)], books)).all()
+    assert np.isinf(_hear(EXACT, [_pose(0, 0, 58)], books)).all()
+    assert np.isfinite(_hear(EXACT, [_pose(0, 0, 58)], sofa)).all()
 
 
 def test_a_mirror_sends_sound_on_to_a_longer_echo() -> None:
@@ -110,6 +119,14 @@ def test_rays_fill_the_cone_and_one_is_its_axis() -> None:
     assert np.linalg.norm(rays, axis=1) == pytest.approx(np.ones(len(rays)))
     assert (rays[:, 0] >= math.cos(EXACT.opening_rad / 2.0) - 1e-12).all()
     assert np.abs(rays - [1.0, 0.0, 0.0]).sum(axis=1).min() < 1e-12
+    half = EXACT.opening_rad / 2.0
+    for up in np.linspace(-1.0, 1.0, 21):
+        for side in np.sqrt(1.0 - up**2) * np.linspace(-1.0, 1.0, 21):
+            point = [1.0, np.tan(half * side), np.tan(half * up)] / np.linalg.norm(
+                [1.0, np.tan(half * side), np.tan(half * up)]
+            )
+            # Rows are a third of half the cone apart: nothing is far from a ray.
+            assert (rays @ point).max() > math.cos(math.radians(2.5)), (up, side)
 
 
 def test_groups_fire_in_order_and_each_once_a_period() -> None:

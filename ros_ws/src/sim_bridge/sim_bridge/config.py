@@ -167,13 +167,22 @@ class LaserConfig:
         0.5, "Deepest edge at which that happens: deeper ones give two pulses.", unit="m", ge=0.0
     )
     reach_factor: float = param(
-        1.5, "Distance over range_max_m at which an echo in the open drowns; glass shortens it.",
-        ge=1.0,
+        1.5, "Distance over range_max_m at which the echo of plaster met squarely drowns; slanted "
+        "and dark surfaces and glass shorten it.", ge=1.0,
+    )  # fmt: skip
+    echo_log_sd: float = param(
+        0.1, "Deviation of the logarithm of that distance from beam to beam.", ge=0.0, le=1.0
+    )
+    sweep_s: float = param(
+        0.0, "Time from first to last beam, in which a robot that moves smears its scan; 0 = none.",
+        unit="s", ge=0.0, le=1.0,
     )  # fmt: skip
 
     def __post_init__(self) -> None:
         validate(self)
         if self.range_max_m <= self.range_min_m:
+        if self.sweep_s > self.period_s:
+            raise ValueError(f"sweep_s must be <= period_s = {self.period_s}, got {self.sweep_s}")
             raise ValueError(
                 f"range_max_m must be > range_min_m = {self.range_min_m}, got {self.range_max_m}"
             )

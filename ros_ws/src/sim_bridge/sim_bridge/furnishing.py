@@ -53,7 +53,10 @@ def furnish(room: Room, rng: np.random.Generator) -> Iterator[tuple[str, Furnitu
             box = _box(center, size, yaw, ahead=0.6 if name == "desk" else 0.0)
             if _is_free(box, taken, room):
                 taken.append(box)
-                yield kind, Furniture(name=name, center_m=center, size_m=size, yaw_deg=yaw)
+                yield kind, Furniture(
+                    name=name, center_m=center, size_m=size, yaw_deg=yaw,
+                    surface="cloth" if name == "sofa" else "",
+                )  # fmt: skip
                 if name == "desk":
                     yield "table", _chair(center, yaw, rng)
                 break

@@ -24,6 +24,8 @@ class Glass:
         refractive_index: 1.52 float glass, 1.49 acrylic.
         transmission: Share of light that crosses a pane along its normal, reflections included.
         scatter_share: Share of beams that dirt sends back, along the normal; more at a slant.
+        scatter_fixed_share: Share of those that stay where they are: the same place of the pane
+            sends back every beam, to the same range. The rest comes and goes from beam to beam.
         scatter_depth_m: Mean distance behind the pane at which those are measured.
         specular_share: Share of beams along the normal that the pane itself sends back.
         specular_half_width_deg: Angle of incidence at which that share has fallen to half.
@@ -33,6 +35,7 @@ class Glass:
     refractive_index: float = 1.52
     transmission: float = 0.80
     scatter_share: float = 0.02
+    scatter_fixed_share: float = 0.75
     scatter_depth_m: float = 0.10
     specular_share: float = 0.95
     specular_half_width_deg: float = 5.0
@@ -48,7 +51,7 @@ class Glass:
                 f"transmission must be > 0, <= {most:.4f} (its two faces reflect the rest), "
                 f"got {self.transmission:g}"
             )
-        for name in ("scatter_share", "specular_share"):
+        for name in ("scatter_share", "scatter_fixed_share", "specular_share"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise ValueError(f"{name} must be >= 0, <= 1, got {getattr(self, name):g}")
         if self.scatter_depth_m < 0.0 or not 0.0 < self.specular_half_width_deg <= 45.0:

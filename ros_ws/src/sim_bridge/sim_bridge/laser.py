@@ -58,6 +58,7 @@ def measure(config: LaserConfig, distances: np.ndarray, rng: np.random.Generator
         angle_increment=angle_increment(config),
         range_min=config.range_min_m,
         range_max=config.range_max_m,
+        time_increment=config.sweep_s / (config.num_beams - 1),
     )
 
 

@@ -43,7 +43,7 @@ class RobotObservation:
     """What one robot's sensors gave in a step; None where a sensor was not due.
 
     Attributes:
-        scan: A sweep taken at the end of the step.
+        scan: A sweep that ends with the step.
         sonar: One reading a sonar of those that fired together, NaN for the others.
         odometry: Dead reckoning at the end of the step.
         refused: Why the command of this step was refused; "" if it was not.

@@ -9,14 +9,16 @@ import numpy as np
 
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
+from sim_bridge.drive import Velocity
+from sim_bridge.echoes import echo_reach
 from sim_bridge.laser import beam_directions, measure
 from sim_bridge.panes import Panes, crossings, laser_distances
 from sim_bridge.physics import Physics
+from sim_bridge.rays import BEYOND
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.sonar import first_echoes, readings
 from sim_bridge.sonar_config import SonarConfig
-
-_BEYOND = 1.05  # rays are this much longer than range_max, so that noise may bring echoes in
+from sim_bridge.sweep import beam_lags, earlier_poses
 
 
 def sensor_stream(seed: int, robot: str, sensor: str) -> np.random.Generator:
@@ -41,22 +43,37 @@ class RangeSensors:
         self._rng_laser = sensor_stream(seed, name, "laser")
         # Apart from the laser's own noise, which so does not depend on the glass in the world.
         self._rng_glass = sensor_stream(seed, name, "laser glass")
+        self._rng_echo = sensor_stream(seed, name, "laser echo")
+        self._seed = seed
         self._rng_sonar = sensor_stream(seed, name, "sonar")
         laser = model.config.laser
         self._beams = np.empty((0, 3)) if laser is None else beam_directions(laser)
 
-    def scan(self, physics: Physics, stamp_ns: int) -> Scan | None:
-        """Return the sweep that ends with this step, None if none does."""
+    def scan(self, physics: Physics, stamp_ns: int, velocity: Velocity) -> Scan | None:
+        """Return the sweep that ends with this step, None if none does.
+
+        Args:
+            physics: Where everything is.
+            stamp_ns: End of the step.
+            velocity: Of the base, with which it came here: the beams of a sweep that takes its
+                time are cast from where it was (of what else moves, from where that is now).
+        """
         laser = self._model.config.laser
         if laser is None or not is_due(stamp_ns, laser.period_s, self._step_ns):
             return None
-        mount, length = self._model.mounts[laser.frame], _BEYOND * laser.range_max_m
-        distances = length * physics.cast(self._name, mount, length * self._beams)
-        if self._panes.glasses:
-            T = physics.sensor_pose(self._name, mount)
-            met = crossings(self._panes, T[:3, 3], self._beams @ T[:3, :3].T, length)
-            reach = laser.reach_factor * laser.range_max_m
-            distances = laser_distances(self._panes, met, distances, reach, self._rng_glass)
+        T_base_laser, length = self._model.mounts[laser.frame], BEYOND * laser.range_max_m
+        T_world_base = physics.sensor_pose(self._name, np.eye(4))
+        T = T_world_base @ earlier_poses(velocity, beam_lags(laser)) @ T_base_laser
+        headings = np.einsum("nij,nj->ni", np.broadcast_to(T, (len(self._beams), 4, 4))[:, :3, :3],
+                             self._beams)  # fmt: skip
+        starts = np.broadcast_to(T[:, :3, 3], headings.shape)
+        hits = physics.cast_light(self._name, starts, starts + length * headings)
+        cos = np.einsum("ij,ij->i", headings, hits.normals)
+        reach = echo_reach(laser, cos, hits.surfaces, self._rng_echo)
+        met = crossings(self._panes, T[:, :3, 3], headings, length)
+        distances = laser_distances(
+            self._panes, met, length * hits.shares, reach, self._rng_glass, self._seed
+        )
         return measure(laser, distances, self._rng_laser)
 
     def sonar(self, physics: Physics, stamp_ns: int) -> tuple[RangeReading, ...] | None:
@@ -70,7 +87,8 @@ class RangeSensors:
         poses = np.array([T_world_base @ mount for mount in mounts])
         critical = sonar.critical_rad + sonar.critical_sd_rad * rng.standard_normal(len(fired))
         cast = functools.partial(physics.cast_sound, self._name)
-        return readings(sonar, first_echoes(sonar, poses, critical, cast), fired, rng)
+        nearest = functools.partial(physics.nearest_in_cone, self._name)
+        return readings(sonar, first_echoes(sonar, poses, critical, cast, nearest), fired, rng)
 
 
 def is_due(stamp_ns: int, period_s: float, step_ns: int) -> bool:

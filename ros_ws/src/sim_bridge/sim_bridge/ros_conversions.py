@@ -53,10 +53,11 @@ def ground_truth_msg(truth: GroundTruth, stamp_ns: int, child: str) -> Any:
 
 
 def scan_msg(scan: Scan, config: LaserConfig, stamp_ns: int, frame: str) -> Any:
-    """Return a scan as LaserScan."""
+    """Return a scan that ended at a stamp as LaserScan, which has that of its first beam."""
     from std_msgs.msg import Header
 
-    header = Header(stamp=ns_to_stamp(stamp_ns), frame_id=frame)
+    first_ns = stamp_ns - round(config.sweep_s * 1e9)
+    header = Header(stamp=ns_to_stamp(first_ns), frame_id=frame)
     return scan_to_msg(scan, header, scan_time=config.period_s)
 
 

@@ -162,7 +162,7 @@ class Simulation:
         pose, dt = self._physics.pose(name), STEP_NS * 1e-9
         velocity = _mean_velocity(before.between(pose), dt)
         return RobotObservation(
-            scan=self._ranging[name].scan(self._physics, self.stamp_ns),
+            scan=self._ranging[name].scan(self._physics, self.stamp_ns, velocity),
             odometry=self._odometry(name),
             refused="" if command is None else refusal(config.drive, command),
             ground_truth=GroundTruth(pose, velocity, self._physics.is_touching(name)),

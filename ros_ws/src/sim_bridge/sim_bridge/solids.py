@@ -9,6 +9,7 @@ import numpy as np
 
 from floornav_common.se2 import SE2
 from sim_bridge.glass import Frame, Glass
+from sim_bridge.surfaces import surface_of
 from sim_bridge.world import Color, Furniture, Wall, World
 
 _BOARD = 0.03
@@ -32,6 +33,7 @@ class Solid:
         glass: Its material if it is a pane, which lies along its x axis; None = opaque.
         texture: Pattern that cameras see on it; "" for none.
         is_ball: True for a ball.
+        surface: What it is made of, a name of `surfaces.SURFACES`.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Solid:
     glass: Glass | None = None
     texture: str = ""
     is_ball: bool = False
+    surface: str = "smooth"
 
     def is_at_height(self, height: float) -> bool:
         """Tell whether a horizontal plane at this height (m) cuts the solid."""
@@ -75,21 +78,17 @@ def solids_of(world: World) -> list[Solid]:
         if box.glass is not None:
             solids += _glass_case(box, box.glass)
             continue
-        pose = SE2(*box.center_m, math.radians(box.yaw_deg))
-        solids.append(
-            Solid(
-                box.name, pose, box.size_m, 0.0, False, box.color, box.mass_kg, texture=box.texture
-            )
-        )
+        solids += _parts(box, [(0.0, 0.0, 0.0, box.size_m)], mass=box.mass_kg)
     for table in world.tables:
         solids += _parts(table, _table_parts(table.size_m))
     for shelf in world.shelves:
-        solids += _parts(shelf, _shelf_parts(shelf.size_m))
+        solids += _parts(shelf, _shelf_parts(shelf.size_m), "rough")
     for column in world.columns:
         size = (2 * column.radius_m, 2 * column.radius_m, column.height_m)
         pose = SE2(*column.center_m, 0.0)
         solid = Solid(column.name, pose, size, 0.0, True, column.color, column.mass_kg)
-        solids.append(replace(solid, texture=column.texture))
+        made_of = surface_of(column.surface, column.texture)
+        solids.append(replace(solid, texture=column.texture, surface=made_of))
     for ball in world.balls:
         size = (2 * ball.radius_m,) * 3
         pose = SE2(*ball.center_m, 0.0)
@@ -130,7 +129,7 @@ def _wall_pieces(wall: Wall) -> list[Solid]:
             pose = T_world_wall @ SE2((start + end) / 2.0, 0.0, 0.0)
             size = (end - start, wall.thickness_m, wall.height_m)
             solid = Solid("wall", pose, size, 0.0, False, wall.color, texture=wall.texture)
-            pieces.append(solid)
+            pieces.append(replace(solid, surface=surface_of(wall.surface, wall.texture)))
     return pieces
 
 
@@ -177,7 +176,9 @@ def _glass_case(box: Furniture, glass: Glass) -> list[Solid]:
 _Part = tuple[float, float, float, tuple[float, float, float]]  # x, y, bottom, size
 
 
-def _parts(item: Furniture, parts: list[_Part]) -> list[Solid]:
+def _parts(
+    item: Furniture, parts: list[_Part], usual: str = "smooth", mass: float = 0.0
+) -> list[Solid]:
     T_world_item = SE2(*item.center_m, math.radians(item.yaw_deg))
     return [
         Solid(
@@ -187,7 +188,9 @@ def _parts(item: Furniture, parts: list[_Part]) -> list[Solid]:
             bottom,
             False,
             item.color,
+            mass,
             texture=item.texture,
+            surface=surface_of(item.surface, item.texture, usual),
         )
         for x, y, bottom, size in parts
     ]

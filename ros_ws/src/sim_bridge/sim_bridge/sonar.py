@@ -1,6 +1,7 @@
 """Ultrasonic rangers: cones of rays, echoes by mirror-like surfaces, cross-talk, faults.
 
-A surface met within the critical angle answers. Beyond it sound goes on as from a mirror: what
+A surface met within its critical angle answers: a small one where it is smooth, a wide one where
+it is rough or soft. Beyond it sound goes on as from a mirror: what
 it meets next may answer on the same way back (a longer echo), a corner sends it home by a third
 way, and else nothing comes. The first echo wins. Every sonar hears what all that fire with it
 send, so an echo of another one's sound can win too (cross-talk).
@@ -8,17 +9,20 @@ send, so an echo of another one's sound can win too (cross-talk).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from floornav_common.readings import RangeReading
-from sim_bridge.rays import Hits
+from sim_bridge.rays import BEYOND, Hits
 from sim_bridge.sonar_config import SonarConfig
+from sim_bridge.surfaces import ROUGH_RAD
 
 Cast = Callable[[np.ndarray, np.ndarray], Hits]
-_BEYOND = 1.05  # sound is followed a little past range_max, so that noise may bring echoes in
+Nearest = Callable[[np.ndarray, np.ndarray, float, float], np.ndarray]
+_ROWS = np.arange(-3, 4) / 3.0  # of rays, in shares of half the cone
 _OFF_SURFACE = 1e-4
 _SAME_PLACE = 1e-9
 
@@ -41,9 +45,9 @@ class _Sound:
 
 
 def cone_rays(config: SonarConfig) -> np.ndarray:
-    """Return unit vectors that fill the cone along x, in three rows, shape (R, 3)."""
+    """Return unit vectors that fill the cone along x in rows, to its edge, shape (R, 3)."""
     half, rays = config.opening_rad / 2.0, []
-    for up in (0.0, 0.5, -0.5):
+    for up in _ROWS:
         across = np.sqrt(1.0 - up**2)
         count = max(2 * round(across * (config.rays_across - 1) / 2.0) + 1, 1)
         side = half * np.linspace(-across, across, count) if count > 1 else np.zeros(1)
@@ -54,24 +58,32 @@ def cone_rays(config: SonarConfig) -> np.ndarray:
 
 
 def first_echoes(
-    config: SonarConfig, T_world_sonars: np.ndarray, critical: np.ndarray, cast: Cast
+    config: SonarConfig,
+    T_world_sonars: np.ndarray,
+    critical: np.ndarray,
+    cast: Cast,
+    nearest: Nearest,
 ) -> np.ndarray:
     """Return the distance each of the sonars that fire together reports, without its faults.
 
     Args:
         config: The sonars.
         T_world_sonars: Their poses, shape (F, 4, 4).
-        critical: Critical angle of each one's sound this time, shape (F,), rad.
+        critical: Critical angle of each one's sound on smooth surfaces this time, (F,), rad.
         cast: Gives where rays from and to world points (N, 3) end.
+        nearest: Gives unit vectors (K, 3) to the nearest points of things in a cone from its
+            place, axis, cosine of half its angle and reach: no thing is too thin to be met.
 
     Returns:
         Shape (F,), m; inf where nothing is heard.
     """
-    rays = cone_rays(config)
-    directions = np.einsum("fij,rj->fri", T_world_sonars[:, :3, :3], rays).reshape(-1, 3)
-    places = T_world_sonars[:, :3, 3]
-    senders = np.repeat(np.arange(len(places)), len(rays))
-    sounds = _follow(config, places[senders], directions, senders, critical, cast)
+    rays, places = cone_rays(config), T_world_sonars[:, :3, 3]
+    cone = math.cos(config.opening_rad / 2.0), BEYOND * config.range_max_m
+    bundles = [
+        np.vstack((rays @ T[:3, :3].T, nearest(T[:3, 3], T[:3, 0], *cone))) for T in T_world_sonars
+    ]
+    senders = np.repeat(np.arange(len(places)), [len(bundle) for bundle in bundles])
+    sounds = _follow(config, places[senders], np.vstack(bundles), senders, critical, cast)
     return np.array([_heard(config, k, T_world_sonars, sounds) for k in range(len(places))])
 
 
@@ -108,9 +120,9 @@ def _follow(
     cast: Cast,
 ) -> _Sound:
     """Follow rays over two surfaces and return all sound that may be heard."""
-    reach = _BEYOND * config.range_max_m
+    reach = BEYOND * config.range_max_m
     met = _meet(starts, directions, np.full(len(starts), reach), senders, cast)
-    answers = met.incidence <= critical[met.senders]
+    answers = met.incidence <= critical[met.senders] + met.rough
     first = _Sound(met.senders, met.ways, met.points, np.where(answers[:, None], 0.0, met.mirrored))
     if answers.all():
         return first
@@ -119,7 +131,7 @@ def _follow(
     again = _meet(met.points[on], met.mirrored[on], lefts, np.flatnonzero(on), cast)
     before = again.senders  # of the second surface: which first meeting it came from
     senders2 = met.senders[before]
-    answers2 = again.incidence <= critical[senders2]
+    answers2 = again.incidence <= critical[senders2] + again.rough
     # A surface that answers sends the sound back over the first one; another one only onward.
     ways = met.ways[before] + np.where(answers2, 2.0, 1.0) * again.ways
     points = np.where(answers2[:, None], met.points[before], again.points)
@@ -132,7 +144,10 @@ def _follow(
 
 @dataclass(frozen=True)
 class _Meetings:
-    """Rays that met a surface: ray, sender, length, point, angle of incidence, mirrored ray."""
+    """Rays that met a surface: ray, sender, length, point, angle of incidence, mirrored ray.
+
+    `rough` is how much farther from its normal than a smooth one the surface answers.
+    """
 
     rays: np.ndarray
     senders: np.ndarray
@@ -140,6 +155,7 @@ class _Meetings:
     points: np.ndarray
     incidence: np.ndarray
     mirrored: np.ndarray
+    rough: np.ndarray
 
 
 def _meet(
@@ -154,7 +170,8 @@ def _meet(
     ways = hits.shares[rays] * reach[rays]
     points = starts[rays] + ways[:, None] * along + _OFF_SURFACE * normals
     mirrored = along + 2.0 * np.abs(facing)[:, None] * normals
-    return _Meetings(rays, senders[rays], ways, points, incidence, mirrored)
+    rough = ROUGH_RAD[hits.surfaces[rays]]
+    return _Meetings(rays, senders[rays], ways, points, incidence, mirrored, rough)
 
 
 def _heard(config: SonarConfig, k: int, T_world_sonars: np.ndarray, sounds: _Sound) -> float:
@@ -170,5 +187,5 @@ def _heard(config: SonarConfig, k: int, T_world_sonars: np.ndarray, sounds: _Sou
     is_aimed = np.einsum("ij,ij->i", sounds.headings, home) >= lobe * last
     distances = (sounds.ways + last) / 2.0
     is_heard = is_in_front & (is_to_every_side | is_aimed)
-    is_heard &= distances <= _BEYOND * config.range_max_m
+    is_heard &= distances <= BEYOND * config.range_max_m
     return float(distances[is_heard].min(initial=np.inf))

@@ -13,7 +13,7 @@ class SonarConfig:
 
     The figures are those of the common 50 kHz rangers of indoor robots: an opening of 20 degrees
     (the glass paper's, section 7.1), and walls so smooth beside the wavelength of 7 mm that they
-    are mirrors beyond a small angle.
+    are mirrors beyond a small angle; books and clothes are not.
     """
 
     count: int = param(16, "Number of sonars.", ge=1, le=64)
@@ -30,7 +30,8 @@ class SonarConfig:
     range_min_m: float = param(0.15, "Nearer echoes are -inf.", unit="m", ge=0.0)
     range_max_m: float = param(5.0, "Farther echoes are +inf.", unit="m", gt=0.0)
     critical_rad: float = param(
-        0.2618, "Angle of incidence beyond which surfaces reflect like mirrors.", unit="rad",
+        0.2618, "Angle of incidence beyond which smooth surfaces reflect like mirrors; rough ones "
+        "and cloth answer farther from their normal (`sim_bridge/surfaces.py`).", unit="rad",
         gt=0.0, lt=1.5708,
     )  # fmt: skip
     critical_sd_rad: float = param(

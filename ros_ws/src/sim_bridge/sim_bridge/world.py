@@ -2,6 +2,7 @@
 
 Lengths are metres, angles degrees (people write these files); everything else in the package is
 SI. Every key is a field below; a field without default is required; unknown keys are refused.
+`surface` names a material of `sim_bridge.surfaces`: "" = as its texture or kind of thing is.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ from pathlib import Path
 from typing import Any
 
 from floornav_common.se2 import SE2
-from sim_bridge.appearance import Floor, Light, require_pattern
+from sim_bridge.appearance import Floor, Light
 from sim_bridge.glass import Frame, Glass
 from sim_bridge.measures import Measure
 from sim_bridge.people.config import PeopleConfig
 from sim_bridge.people.schema import Crowd, Recording, WalkerPlan
 from sim_bridge.schema import WorldError, build, filled_in, load_yaml
+from sim_bridge.surfaces import require_looks
 
 Point = tuple[float, float]
 Size = tuple[float, float, float]
@@ -56,9 +58,10 @@ class Wall:
     glass: Glass | None = None
     frame: Frame | None = None
     texture: str = ""
+    surface: str = ""
 
     def __post_init__(self) -> None:
-        require_pattern(self.texture)
+        require_looks(self.texture, self.surface)
         if self.length < 1e-6:
             raise ValueError(f"the wall at {list(self.from_m)} has zero length")
         _require_positive(thickness_m=self.thickness_m, height_m=self.height_m)
@@ -96,9 +99,10 @@ class Furniture:
     color: Color = (0.72, 0.53, 0.35)
     glass: Glass | None = None
     texture: str = ""
+    surface: str = ""
 
     def __post_init__(self) -> None:
-        require_pattern(self.texture)
+        require_looks(self.texture, self.surface)
         _require_positive(**{f"size_m[{k}]": value for k, value in enumerate(self.size_m)})
         if self.mass_kg < 0.0:
             raise ValueError(f"mass_kg must be >= 0 (0 = fixed), got {self.mass_kg}")
@@ -115,9 +119,10 @@ class Column:
     mass_kg: float = 0.0
     color: Color = (0.75, 0.75, 0.78)
     texture: str = ""
+    surface: str = ""
 
     def __post_init__(self) -> None:
-        require_pattern(self.texture)
+        require_looks(self.texture, self.surface)
         _require_positive(radius_m=self.radius_m, height_m=self.height_m)
 
 

@@ -35,13 +35,18 @@ def body_parts(config: PeopleConfig, number: int) -> list[Solid]:
     origin, leg, torso = SE2.identity(), 2.0 * config.leg_radius_m, 2.0 * config.torso_radius_m
     if not config.has_legs:
         size = (torso, torso, config.height_m)
-        return [Solid("person", origin, size, 0.0, True, shirt)]
+        return [Solid("person", origin, size, 0.0, True, shirt, surface="cloth")]
     legs = [
-        Solid("leg", origin, (leg, leg, config.torso_bottom_m), 0.0, True, trousers)
+        Solid(
+            "leg", origin, (leg, leg, config.torso_bottom_m), 0.0, True, trousers, surface="cloth"
+        )
         for _ in range(2)
     ]
     size = (torso, torso, config.height_m - config.torso_bottom_m)
-    return [*legs, Solid("torso", origin, size, config.torso_bottom_m, True, shirt)]
+    return [
+        *legs,
+        Solid("torso", origin, size, config.torso_bottom_m, True, shirt, surface="cloth"),
+    ]
 
 
 def part_places(config: PeopleConfig, pose: SE2, walked: float) -> np.ndarray:
