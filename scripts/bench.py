@@ -31,6 +31,7 @@ JOBS = {
     "scan_matching": "scan-to-map ICP on a 66 m loop, beside kiss-icp and genz-icp",
     "map_update": "a scan into the map, beside a plain ray trace",
     "simulation": "real-time factor by sensor set, and a frame beside the bare pybullet call",
+    "floor": "from image to free space, beside bare OpenCV passes",
     "messages": "images and grids to and from messages, and between processes",
 }
 HEADER = ["case", "median ms", "p99 ms", "peer", "peer ms", "ratio", "floor ms", "more"]

@@ -25,6 +25,7 @@ from floornav_common.reporting import (  # noqa: E402
 EXPERIMENTS = {
     "laser-drives": "drift on simulated drives: full rate, key scans, slip, a bare corridor",
     "sensor-models": "simulated sensors beside what their settings promise",
+    "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
 }
 

@@ -23,6 +23,8 @@ _STEP = 256 // TABLE_EDGE
 _BINS = 64
 _NUM_TRIMS = 4
 _MIN_PIXELS = 50
+_MOVED_SD = 0.1
+_MOVED_RATIO = 0.05
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,15 @@ def learn(colors: np.ndarray, config: ColorConfig, share: float = 0.0) -> FloorC
     near = _distance2(chroma, mean, cov) < 9.0
     if near.mean() < share:
         raise ValueError(f"only {near.mean():.0%} of the pixels share a color, not {share:.0%}")
-    low, middle, high = np.percentile(colors[near].sum(axis=1, dtype=float), (2, 50, 98))
-    return FloorColor(mean, cov, float(low), float(middle), float(high))
+    return of_pixels(colors[near], config.min_sd)
+
+
+def of_pixels(colors: np.ndarray, min_sd: float) -> FloorColor:
+    """Return the color of pixels (N, 3), R, G, B, that are all floor."""
+    chroma = chromaticity(colors)
+    cov = _floored(np.cov(chroma.T), min_sd)
+    low, middle, high = np.percentile(colors.sum(axis=1, dtype=float), (2, 50, 98))
+    return FloorColor(chroma.mean(axis=0), cov, float(low), float(middle), float(high))
 
 
 def has_color(color: FloorColor, colors: np.ndarray, config: ColorConfig) -> np.ndarray:
@@ -105,9 +114,19 @@ def color_table(color: FloorColor, config: ColorConfig, order: str = "rgb") -> n
     return table
 
 
-def classify(image: np.ndarray, table: np.ndarray, spans: np.ndarray, mask: np.ndarray) -> None:
-    """Look up the pixels of an image (H, W, 3) within the spans of its rows; fills `mask`."""
-    _look_up(image, table, spans, mask)
+def classify(
+    image: np.ndarray, table: np.ndarray, spans: np.ndarray, always: np.ndarray, mask: np.ndarray
+) -> None:
+    """Look up the pixels of an image within the spans of its rows.
+
+    Args:
+        image: (H, W, 3), uint8.
+        table: From `color_table`.
+        spans: First and past-last column of each row, (H, 2).
+        always: 255 where a pixel counts as floor whatever its color, else 0, (H, W), uint8.
+        mask: Filled within the spans, (H, W), uint8.
+    """
+    _look_up(image, table, spans, always, mask)
 
 
 def shifted(old: FloorColor, new: FloorColor, part: float) -> FloorColor:
@@ -121,6 +140,18 @@ def shifted(old: FloorColor, new: FloorColor, part: float) -> FloorColor:
         old.cov + part * (new.cov - old.cov),
         *(between(getattr(old, k), getattr(new, k)) for k in ("low", "middle", "high")),
     )
+
+
+def response_part(dt: float, time_constant: float) -> float:
+    """Return the part of a step response that has passed after dt; 0 for no time constant."""
+    return 1.0 - math.exp(-dt / time_constant) if time_constant > 0.0 and dt > 0.0 else 0.0
+
+
+def differs(a: FloorColor, b: FloorColor) -> bool:
+    """Return whether two colors are so far apart that a table of one does not do for the other."""
+    is_moved = float(_distance2(b.chroma, a.chroma, a.cov)) > _MOVED_SD**2
+    ratios = [b.low / a.low, b.high / a.high, *(np.diag(b.cov) / np.diag(a.cov))]
+    return is_moved or max(abs(np.log(ratios))) > _MOVED_RATIO
 
 
 def _densest(chroma: np.ndarray) -> np.ndarray:
@@ -156,15 +187,10 @@ def _fill(table, is_bgr, r0, g0, irr, irg, igg, middle, low, high, gate2):  # ty
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _look_up(image, table, spans, mask):  # type: ignore[no-untyped-def]
+def _look_up(image, table, spans, always, mask):  # type: ignore[no-untyped-def]
     two, six, twelve = np.uint32(2), np.uint32(6), np.uint32(12)
     for v in range(mask.shape[0]):
-        row, out = image[v], mask[v]
+        row, out, over = image[v], mask[v], always[v]
         for u in range(spans[v, 0], spans[v, 1]):
             a, b, c = np.uint32(row[u, 0]), np.uint32(row[u, 1]), np.uint32(row[u, 2])
-            out[u] = table[(a >> two) << twelve | (b >> two) << six | c >> two]
-
-
-def response_part(dt: float, time_constant: float) -> float:
-    """Return the part of a step response that has passed after dt; 0 for no time constant."""
-    return 1.0 - math.exp(-dt / time_constant) if time_constant > 0.0 and dt > 0.0 else 0.0
+            out[u] = table[(a >> two) << twelve | (b >> two) << six | c >> two] | over[u]

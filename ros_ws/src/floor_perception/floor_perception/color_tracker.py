@@ -11,12 +11,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from floor_perception.color_model import FloorColor, has_color, learn, response_part, shifted
+from floor_perception.color_model import (
+    FloorColor,
+    has_color,
+    learn,
+    of_pixels,
+    response_part,
+    shifted,
+)
 from floor_perception.config import ColorConfig
 
 _NUM_SECTORS = 24
 _SECTOR_SHARE = 0.5
-_MAX_PIXELS = 3000
+_MAX_PIXELS = 1000
+_MIN_PIXELS = 50
 
 
 class ColorTracker:
@@ -48,6 +56,7 @@ class ColorTracker:
         self._in_sector = np.bincount(self._sectors, minlength=_NUM_SECTORS)
         self.color, self.support, self.reason = color, 0.0, "no image yet"
         self._seen_ns: int | None = None
+        self._period_ns = int(1e9 * config.look_s)
         self._other_since_ns: int | None = None
 
     def forget(self) -> None:
@@ -65,12 +74,15 @@ class ColorTracker:
         Returns:
             Whether the color changed.
         """
+        if self._seen_ns is not None and 0 <= stamp_ns - self._seen_ns < self._period_ns:
+            return False
         ring = image[self._rows, self._columns]
         colors = ring if order == "rgb" else ring[:, ::-1]
+        if self.color is None:
+            self._seen_ns = stamp_ns
+            return self._adopt(colors, self._config.ring_share)
         dt = 0.0 if self._seen_ns is None else 1e-9 * (stamp_ns - self._seen_ns)
         self._seen_ns = stamp_ns
-        if self.color is None:
-            return self._adopt(colors, self._config.ring_share)
         is_floor = has_color(self.color, colors, self._config)
         self.support = self._support_of(is_floor)
         if self.support >= self._config.ring_share:
@@ -81,12 +93,9 @@ class ColorTracker:
 
     def _follow(self, colors: np.ndarray, dt: float) -> bool:
         part = response_part(dt, self._config.adapt_s)
-        if part == 0.0 or self.color is None:
+        if part == 0.0 or self.color is None or len(colors) < _MIN_PIXELS:
             return False
-        try:
-            self.color = shifted(self.color, learn(colors, self._config), part)
-        except ValueError:
-            return False
+        self.color = shifted(self.color, of_pixels(colors, self._config.min_sd), part)
         return True
 
     def _relearn(self, colors: np.ndarray, stamp_ns: int) -> bool:

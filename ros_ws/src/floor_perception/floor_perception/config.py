@@ -34,6 +34,7 @@ class ColorConfig:
         0.5, "The floor's color is learned and followed only if this share of the ring has it.",
         gt=0.0, le=1.0,
     )  # fmt: skip
+    look_s: float = param(0.1, "Time between looks at the ring.", unit="s", ge=0.0)
     adapt_s: float = param(
         5.0, "Time constant with which the color follows the light; 0 keeps it.", unit="s", ge=0.0
     )
@@ -55,7 +56,7 @@ class MaskConfig:
     """From colors to the floor region (floor paper, 3.1, step 1)."""
 
     speck_px: int = param(
-        3, "Opening: floor-colored specks that hold no square of this edge are no floor.",
+        3, "Opening, after the closing: specks of floor that hold no square of this edge are none.",
         unit="px", ge=1, le=31,
     )  # fmt: skip
     mark_m: float = param(
@@ -73,7 +74,7 @@ class MaskConfig:
 class TemplateConfig:
     """The template of I x J cells (floor paper, 3.1, step 2)."""
 
-    num_rings: int = param(24, "I, cells along a direction.", ge=1, le=1000)
+    num_rings: int = param(36, "I, cells along a direction.", ge=1, le=1000)
     num_directions: int = param(180, "J, directions.", ge=4, le=3600)
     spacing: str = param(
         "image", "Rings of equal image radius, as published, or of equal distance on the floor.",
@@ -82,9 +83,9 @@ class TemplateConfig:
     range_min_m: float = param(
         0.17, "Where the first ring begins: the robot's body must end before.", unit="m", gt=0.0
     )
-    horizon_m: float = param(2.0, "Where the last ring ends.", unit="m", gt=0.0)
+    horizon_m: float = param(2.5, "Where the last ring ends.", unit="m", gt=0.0)
     free_share: float = param(
-        0.8, "r_th, share of floor from which on a cell is free.", gt=0.0, le=1.0
+        0.6, "r_th, share of floor from which on a cell is free.", gt=0.0, le=1.0
     )
     has_borders: bool = param(
         False, "Leave a line between cells out, as labelling needs it; they count without it."

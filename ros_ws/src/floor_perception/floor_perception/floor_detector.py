@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from floor_perception.color_model import FloorColor, color_table
+from floor_perception.color_model import FloorColor, color_table, differs
 from floor_perception.color_tracker import ColorTracker
 from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_mask import FloorMasker, closing_px
-from floor_perception.free_space import floor_areas, free_ranges, free_ratios
-from floor_perception.polar_template import PolarTemplate, make_template
+from floor_perception.free_space import floor_areas, ratios_and_ranges
+from floor_perception.polar_template import PolarTemplate, make_template, row_spans
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.scan import Scan
 
@@ -75,20 +75,31 @@ class FloorDetector:
         Raises:
             ValueError: The image has not three channels, or the camera sees no floor in it.
         """
-        if image.ndim != 3 or image.shape[2] != 3:
-            raise ValueError(f"image must be (H, W, 3), got {image.shape}")
-        height, width = image.shape[:2]
-        if (height, width) != self._size:
-            self._set_size(height, width, self.color)
-        if self.tracker.update(image, order, stamp_ns):
-            self._tables.clear()
+        self.track(image, order, stamp_ns)
         if self.tracker.color is None:
             return None
         if order not in self._tables:
             self._tables[order] = color_table(self.tracker.color, self._config.color, order)
         mask = self.masker.mask(image, self._tables[order])
-        ratios = free_ratios(floor_areas(mask, self.template), self.template)
-        return FloorResult(mask, ratios, self._scan(ratios))
+        ratios, ranges = ratios_and_ranges(
+            floor_areas(mask, self.template), self.template, self._config.template.free_share
+        )
+        return FloorResult(mask, ratios, self._scan(ranges))
+
+    def track(self, image: np.ndarray, order: str, stamp_ns: int) -> None:
+        """Let the floor's color follow an image without looking for free space; as `detect`."""
+        if image.ndim != 3 or image.shape[2] != 3:
+            raise ValueError(f"image must be (H, W, 3), got {image.shape}")
+        height, width = image.shape[:2]
+        if (height, width) != self._size:
+            self._set_size(height, width, self.color)
+        if self.tracker.update(image, order, stamp_ns) and self._has_moved():
+            self._tables.clear()
+            self._table_color = self.tracker.color
+
+    def reset(self) -> None:
+        """Forget the floor's color: the next image shows it anew."""
+        self._start_tracking(None)
 
     def reconfigure(self, config: FloorDetectorConfig) -> None:
         """Go on with other settings; the floor's color is kept.
@@ -103,10 +114,10 @@ class FloorDetector:
             self._config = old
             raise
 
-    def _scan(self, ratios: np.ndarray) -> Scan:
+    def _scan(self, ranges: np.ndarray) -> Scan:
         template = self.template
         return Scan(
-            ranges=free_ranges(ratios, self._config.template.free_share, template.edges),
+            ranges=ranges,
             angle_min=float(template.bearings[0]),
             angle_increment=template.angle_increment,
             range_min=float(template.edges[0]),
@@ -125,9 +136,18 @@ class FloorDetector:
         template = make_template(camera, config.template, is_hidden)
         masker = make_masker(camera, config, template, is_hidden)
         self.camera, self.template, self.masker = camera, template, masker
-        self.tracker = ColorTracker(config.color, *ring_pixels(camera, config, is_hidden), color)
-        self._tables.clear()
+        self._ring = ring_pixels(camera, config, is_hidden)
         self._size = (height, width)
+        self._start_tracking(color)
+
+    def _start_tracking(self, color: FloorColor | None) -> None:
+        self.tracker = ColorTracker(self._config.color, *self._ring, color)
+        self._tables.clear()
+        self._table_color = color
+
+    def _has_moved(self) -> bool:
+        old, new = self._table_color, self.tracker.color
+        return old is None or new is None or differs(old, new)
 
 
 def make_masker(
@@ -138,15 +158,12 @@ def make_masker(
 ) -> FloorMasker:
     """Return what makes masks: all that the camera sees of the floor, not only the template."""
     distance = _floor_distance(camera)
-    is_used = np.isfinite(distance) & (distance >= template.edges[0])
+    is_robot = distance < template.edges[0]
     if is_hidden is not None:
-        is_used &= ~is_hidden
-    has = is_used.any(axis=1)
-    first = np.where(has, is_used.argmax(axis=1), 0)
-    past = np.where(has, is_used.shape[1] - is_used[:, ::-1].argmax(axis=1), 0)
-    spans = np.stack((first, past), -1).astype(np.int32)
+        is_robot |= is_hidden & np.isfinite(distance)
+    is_used = np.isfinite(distance) & ~is_robot
     bridge = closing_px(config.mask.mark_m, px_per_m(camera, float(template.edges[0])))
-    return FloorMasker(spans, is_used, config.mask.speck_px, bridge)
+    return FloorMasker(row_spans(is_used), is_used, is_robot, config.mask.speck_px, bridge)
 
 
 def px_per_m(camera: FloorCamera, distance: float) -> float:

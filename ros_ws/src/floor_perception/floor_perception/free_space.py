@@ -103,6 +103,39 @@ def free_ranges(ratios: np.ndarray, free_share: float, edges: np.ndarray) -> np.
     return ranges
 
 
+def ratios_and_ranges(
+    floor: np.ndarray, template: PolarTemplate, free_share: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what `free_ratios` and `free_ranges` do, (J, I) and (J,), m, in one pass."""
+    ratios = np.empty((template.num_directions, template.num_rings))
+    ranges = np.empty(template.num_directions)
+    _walk(
+        floor, template.areas, template.stand_ins, free_share, template.edges, ratios, ranges
+    )  # fmt: skip
+    return ratios, ranges
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _walk(floor, areas, stand_ins, free_share, edges, ratios, ranges):  # type: ignore[no-untyped-def]
+    num_directions, num_rings = ratios.shape
+    for j in range(num_directions):
+        first = num_rings
+        for i in range(num_rings):
+            own = stand_ins[j * num_rings + i]
+            ratio = np.nan
+            if own >= 0 and areas[own] > 0:
+                ratio = floor[own] / areas[own]
+            ratios[j, i] = ratio
+            if first == num_rings and not ratio >= free_share:
+                first = i
+        if first == num_rings:
+            ranges[j] = np.inf
+        elif np.isnan(ratios[j, first]):
+            ranges[j] = np.nan
+        else:
+            ranges[j] = edges[first] if first > 0 else -np.inf
+
+
 @numba.njit(cache=True, error_model="numpy")
 def _count(mask, cells, spans, areas):  # type: ignore[no-untyped-def]
     for v in range(mask.shape[0]):

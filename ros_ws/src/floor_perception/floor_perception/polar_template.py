@@ -88,7 +88,9 @@ def make_template(
     areas = np.bincount(cells[cells >= 0], minlength=num_cells).astype(np.int32)
     small = cells.astype(np.int16) if num_cells < 2**15 else cells
     stand_ins = _stand_ins(camera, edges, config.num_directions, areas, owner)
-    return PolarTemplate(edges, config.num_directions, small, areas, stand_ins, _spans(cells >= 0))
+    return PolarTemplate(
+        edges, config.num_directions, small, areas, stand_ins, row_spans(cells >= 0)
+    )
 
 
 def cells_of(points: np.ndarray, edges: np.ndarray, num_directions: int) -> np.ndarray:
@@ -152,6 +154,14 @@ def is_border(cells: np.ndarray) -> np.ndarray:
     return differs
 
 
+def row_spans(is_used: np.ndarray) -> np.ndarray:
+    """Return the first and past-last column in use of each row, (H, 2), int32; 0, 0 for none."""
+    has = is_used.any(axis=1)
+    first = np.where(has, is_used.argmax(axis=1), 0)
+    past = np.where(has, is_used.shape[1] - is_used[:, ::-1].argmax(axis=1), 0)
+    return np.stack((first, past), -1).astype(np.int32)
+
+
 def _stand_ins(
     camera: FloorCamera, edges: np.ndarray, J: int, areas: np.ndarray, owner: np.ndarray
 ) -> np.ndarray:
@@ -168,10 +178,3 @@ def _stand_ins(
     found[found >= 0] = np.where(areas[found[found >= 0]] > 0, found[found >= 0], -1)
     stand_ins[empty] = found
     return stand_ins
-
-
-def _spans(is_used: np.ndarray) -> np.ndarray:
-    has = is_used.any(axis=1)
-    first = np.where(has, is_used.argmax(axis=1), 0)
-    past = np.where(has, is_used.shape[1] - is_used[:, ::-1].argmax(axis=1), 0)
-    return np.stack((first, past), -1).astype(np.int32)
