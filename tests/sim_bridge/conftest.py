@@ -16,8 +16,11 @@ from sim_bridge.world import RobotPlacement, Wall, World
 PERFECT: dict[str, Any] = {
     "drive": {"command_delay_s": 0.0},
     "wheels": {"ticks_per_turn": 0, "radius_error_sd": 0.0, "slip_mean": 0.0, "slip_sd": 0.0},
-    "laser": {"noise_sd_m": 0.0, "quantum_m": 0.0, "dropout_share": 0.0, "edge_share": 0.0},
-}
+    "laser": {
+        "noise_sd_m": 0.0, "noise_sd_share": 0.0, "quantum_m": 0.0, "dropout_share": 0.0,
+        "edge_share": 0.0,
+    },
+}  # fmt: skip
 
 
 def box_room(overrides: dict[str, Any] | None = None, pose: SE2 | None = None) -> World:

@@ -1,6 +1,7 @@
 """Walkers: plans by hand, forces, noticing and yielding, laws of the whole."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from sim_bridge.people.forces import kept_apart, push_between, push_of_walls
 from sim_bridge.people.obstacles import Obstacles
 from sim_bridge.people.people import People, drawn_walkers
 from sim_bridge.people.schema import Crowd, WalkerPlan
+from sim_bridge.people.walkers import Walkers
 from sim_bridge.people.yielding import Robot, Traits, attention_after, draw_traits, side_step
 from sim_bridge.solids import Solid
 
@@ -60,9 +62,34 @@ def test_to_and_fro_goes_on_for_ever() -> None:
 
 def test_a_walker_sets_out_when_a_robot_is_near() -> None:
     plan = WalkerPlan(name="a", path_m=((0, 0), (0, 3)), speed_m_s=1.0, starts_within_m=2.0)
-    people = _people(plan)
-    assert _walk(people, 1.0, [_standing_robot(2.1, 0.0)])[-1][0].pose.y == 0.0
-    assert _walk(people, 1.0, [_standing_robot(1.9, 0.0)])[-1][0].pose.y == pytest.approx(1.0)
+    people, skin = _people(plan), CONFIG.torso_radius_m
+    far, near = _standing_robot(skin + 2.1, 0.0), _standing_robot(skin + 1.9, 0.0)
+    assert _walk(people, 1.0, [far])[-1][0].pose.y == 0.0
+    assert _walk(people, 1.0, [near])[-1][0].pose.y == pytest.approx(1.0)
+
+
+def test_that_distance_is_from_the_robots_laser() -> None:
+    plan = WalkerPlan(name="a", path_m=((0, 0), (0, 3)), speed_m_s=1.0, starts_within_m=2.0)
+    middle = np.array([2.5, 0.0])
+    walked = [
+        _walk(_people(plan), 1.0, [Robot(middle, np.zeros(2), 0.4, eye)])[-1][0].pose.y
+        for eye in (None, middle - [0.2, 0.0], middle - [0.4, 0.0])
+    ]
+    assert walked == pytest.approx([0.0, 0.0, 1.0])
+
+
+def test_who_is_said_to_notice_still_draws_how_far_off() -> None:
+    config = PeopleConfig(notice_distance_m=4.0, notice_distance_sd_m=1.0)
+    plans = [
+        WalkerPlan(name=f"p{k}", path_m=((k, 0),), is_reacting=True, never_notices=False)
+        for k in range(400)
+    ]
+    drawn = [t.notice_distance for t in Walkers(config, plans, EMPTY, 0).traits]
+    assert np.mean(drawn) == pytest.approx(4.0, abs=0.15)
+    assert np.std(drawn) == pytest.approx(1.0, abs=0.15)
+    assert min(drawn) >= 1.0
+    never = [replace(plan, never_notices=True) for plan in plans[:20]]
+    assert {t.notice_distance for t in Walkers(config, never, EMPTY, 0).traits} == {0.0}
 
 
 def test_nearness_speeds_up_noticing() -> None:

@@ -12,8 +12,10 @@ from floornav_common.se2 import SE2
 from sim_bridge.drive import Velocity
 from sim_bridge.people.config import PeopleConfig
 from sim_bridge.people.schema import Crowd, WalkerPlan
+from sim_bridge.robot_model import load_robot
 from sim_bridge.schema import WorldError, parsed_parameters
 from sim_bridge.simulation import Simulation
+from sim_bridge.snapshot import snapshot
 from sim_bridge.world import RobotPlacement, World, load_world, world_names
 
 from .conftest import PERFECT, box_room
@@ -133,16 +135,20 @@ def test_moving_world_robot_and_people_together_changes_nothing(simulate) -> Non
 
 
 def test_sjmc_crossing_moves_1_5_m_towards_the_robot_and_1_8_m_across(simulate) -> None:
-    simulation = simulate(load_world("sjmc_crossing", {"distance_m": 2.0}))
-    people, gaps = [], []
+    world = load_world("sjmc_crossing", {"distance_m": 2.0})
+    robot = replace(world.robots[0], overrides={"laser": PERFECT["laser"]})
+    simulation = simulate(replace(world, robots=(robot,)))
+    people, sensed = [], []
     for _ in range(700):
         seen = simulation.step({"": Velocity(0.8, 0.0)})
-        robot = seen.robots[""].ground_truth.pose
+        robot = seen.robots[""]
         people.append(seen.ground_truth_people[0].pose)
-        gaps.append(math.hypot(robot.x - people[-1].x, robot.y - people[-1].y))
-    started = next(k for k, pose in enumerate(people) if pose.y > people[0].y + 1e-9)
-    # The disk's middle lies 0.145 m behind base_link.
-    assert gaps[started - 1] == pytest.approx(2.0 - 0.14, abs=0.03)
+        if robot.scan is not None and people[-1].y == people[0].y:
+            points = robot.ground_truth.pose @ (robot.scan.points() + [0.10, 0.0])
+            near = np.hypot(points[:, 0], points[:, 1] + 0.9) < 0.3
+            sensed.append(np.nanmin(robot.scan.ranges[robot.scan.is_hit][near], initial=9.0))
+    # The last scan before it set out is up to 0.1 s old, at 0.8 m/s.
+    assert sensed[-1] == pytest.approx(2.0 + 0.04, abs=0.06)
     assert people[-1].x - people[0].x == pytest.approx(1.5)
     assert people[-1].y - people[0].y == pytest.approx(1.8)
 
@@ -158,10 +164,20 @@ def test_sjmc_oncoming_steps_aside_if_the_robot_is_noticed(simulate, never, is_c
     assert seen.ground_truth_people[0].has_noticed != never
 
 
-def test_both_start_distances_of_the_static_set_up() -> None:
-    for distance in (2.7, 4.7):
-        world = load_world("sjmc_static", {"start_distance_m": distance})
-        assert world.robots[0].position_m == (distance, 0.0)
+@pytest.mark.parametrize("distance", [2.7, 3.7])
+def test_the_start_distance_of_the_static_set_up_is_what_the_laser_reads(distance: float) -> None:
+    world = load_world("sjmc_static", {"start_distance_m": distance})
+    robot = replace(world.robots[0], overrides={"laser": PERFECT["laser"]})
+    seen = snapshot(replace(world, robots=(robot,)), robot.pose)
+    ahead = seen.scan.ranges[np.argmin(np.abs(seen.scan.angles))]
+    assert ahead == pytest.approx(distance, abs=2e-3)
+
+
+def test_the_urg_errs_by_a_centimeter_or_a_hundredth_of_the_range_in_two_deviations() -> None:
+    laser = load_robot(load_world("sjmc_static").robots[0]).config.laser
+    for distance, bound in ((0.5, 0.01), (2.0, 0.02), (4.0, 0.04)):
+        sd = math.hypot(laser.noise_sd_m, laser.noise_sd_share * distance)
+        assert 2.0 * sd == pytest.approx(bound, rel=0.1)
 
 
 def test_world_parameters_are_read_and_checked() -> None:

@@ -58,6 +58,14 @@ class RobotModel:
     urdf: str
     mounts: dict[str, np.ndarray]
 
+    @property
+    def laser_m(self) -> tuple[float, float] | None:
+        """Where the laser is in the base frame, x and y, m; None if there is none."""
+        if self.config.laser is None:
+            return None
+        x, y = self.mounts[self.config.laser.frame][:2, 3]
+        return float(x), float(y)
+
     def baseline(self, pair: str) -> float:
         """Return how far the right camera of a stereo pair is from the left one, m."""
         left, right = (self.mounts[optical_frame(pair, side)] for side in ("left", "right"))

@@ -149,8 +149,8 @@ class Simulation:
     def _move_people(self, poses: dict[str, SE2]) -> None:
         if self._people.num:
             robots = [
-                disk_of(self.models[name].config.footprint_m, pose, self._velocities[name])
-                for name, pose in poses.items()
+                disk_of(model.config.footprint_m, pose, self._velocities[name], model.laser_m)
+                for (name, pose), model in zip(poses.items(), self.models.values(), strict=True)
             ]
             self._people.step(self.stamp_ns, STEP_NS * 1e-9, robots)
             self._physics.place_movers(self._people.places())

@@ -193,7 +193,10 @@ def _free_place(
 
 
 def disk_of(
-    footprint: Sequence[tuple[float, float]], pose: SE2, velocity: tuple[float, float]
+    footprint: Sequence[tuple[float, float]],
+    pose: SE2,
+    velocity: tuple[float, float],
+    laser: tuple[float, float] | None = None,
 ) -> Robot:
     """Return a robot as people see it.
 
@@ -201,15 +204,18 @@ def disk_of(
         footprint: Corners in the base frame, m.
         pose: Of the base.
         velocity: Of the base, in the frame of the pose, m/s.
+        laser: Where its laser is in the base frame, m; None = it has none.
     """
     corners = np.array(footprint)
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
     radius = float(np.linalg.norm(corners - middle, axis=1).max())
-    return Robot((pose @ middle[None])[0], np.array(velocity), radius)
+    eye = None if laser is None else (pose @ np.array([laser]))[0]
+    return Robot((pose @ middle[None])[0], np.array(velocity), radius, eye)
 
 
 def _in_file(T_world_file: SE2, robot: Robot) -> Robot:
     T = T_world_file.inverse()
     c, s = math.cos(T.yaw), math.sin(T.yaw)
     velocity = np.array([[c, -s], [s, c]]) @ robot.velocity
-    return Robot((T @ robot.position[None])[0], velocity, robot.radius)
+    eye = None if robot.eye is None else (T @ robot.eye[None])[0]
+    return Robot((T @ robot.position[None])[0], velocity, robot.radius, eye)

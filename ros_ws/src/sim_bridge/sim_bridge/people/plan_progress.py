@@ -20,10 +20,11 @@ class PlanProgress:
     Args:
         plan: Where it goes.
         speed: Its walking speed, m/s.
+        radius: Of its body, m.
     """
 
-    def __init__(self, plan: WalkerPlan, speed: float) -> None:
-        self._plan, self._speed = plan, speed
+    def __init__(self, plan: WalkerPlan, speed: float, radius: float) -> None:
+        self._plan, self._speed, self._radius = plan, speed, radius
         self._points = np.array(plan.path_m, dtype=float)
         self._target, self._way = 1, 1
         self._pause = self._pause_at(0)
@@ -40,7 +41,7 @@ class PlanProgress:
         if not self._has_started:
             within = self._plan.starts_within_m
             is_near = within == 0.0 or any(
-                float(np.hypot(*(robot.position - position))) <= within for robot in robots
+                robot.sensed_distance(position) - self._radius <= within for robot in robots
             )
             self._has_started = time >= self._plan.starts_s - 1e-9 and is_near
         elif self._pause > 0.0:

@@ -18,11 +18,13 @@ class WalkerPlan:
         speed_m_s: Walking speed; 0 draws one by seed.
         pauses_s: Rest at each way point, the first included; fewer than way points = none there.
         starts_s: When it sets out.
-        starts_within_m: Sets out once a robot is this near (after `starts_s`); 0 = at once.
+        starts_within_m: Sets out once its body is this near the laser of a robot (the middle of
+            its footprint if it has none), after `starts_s`; 0 = at once.
         repeats: Walks to and fro between the ends.
         is_reacting: False walks its plan whatever comes. True keeps clear of walls and people,
             and of a robot once it is noticed.
-        never_notices: True or False settles what is otherwise drawn by seed.
+        never_notices: True or False settles whether it never does, which is otherwise drawn by
+            seed; noticing distance and time are drawn all the same.
     """
 
     name: str

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -61,7 +62,7 @@ class Walkers:
         self._config, self._plans, self._obstacles = config, list(plans), obstacles
         self.traits = [_traits(config, plan, seed) for plan in plans]
         self._progress = [
-            PlanProgress(plan, traits.speed)
+            PlanProgress(plan, traits.speed, config.torso_radius_m)
             for plan, traits in zip(self._plans, self.traits, strict=True)
         ]
         starts = [plan.path_m[0] for plan in self._plans]
@@ -166,9 +167,7 @@ class Walkers:
 
 
 def _traits(config: PeopleConfig, plan: WalkerPlan, seed: int) -> Traits:
-    drawn = draw_traits(config, person_rng(seed, plan.name))
-    speed = plan.speed_m_s if plan.speed_m_s > 0.0 else drawn.speed
-    reach = drawn.notice_distance
     if plan.never_notices is not None:
-        reach = 0.0 if plan.never_notices else max(reach, config.notice_distance_m)
-    return Traits(speed, reach, drawn.notice_time, drawn.side)
+        config = replace(config, never_share=1.0 if plan.never_notices else 0.0)
+    drawn = draw_traits(config, person_rng(seed, plan.name))
+    return replace(drawn, speed=plan.speed_m_s) if plan.speed_m_s > 0.0 else drawn

@@ -22,11 +22,17 @@ class Robot:
         position: Middle of its footprint, shape (2,), m.
         velocity: Shape (2,), m/s.
         radius: Of the disk round its footprint, m.
+        eye: Where its laser is, shape (2,), m; None = at `position`.
     """
 
     position: np.ndarray
     velocity: np.ndarray
     radius: float
+    eye: np.ndarray | None = None
+
+    def sensed_distance(self, place: np.ndarray) -> float:
+        """Return how far a place is from its laser, m."""
+        return float(np.hypot(*(place - (self.position if self.eye is None else self.eye))))
 
 
 @dataclass(frozen=True)
