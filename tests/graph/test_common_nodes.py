@@ -153,6 +153,36 @@ def test_qos_mismatch_names_the_publisher_and_the_cure(start: Start, make_peer: 
     assert "-p qos_overrides./scan.subscription.reliability:=best_effort" in line
 
 
+def test_a_topic_of_another_type_is_named_with_its_publisher(start: Start, make_peer: Any) -> None:
+    node = start(NODES, "picky")
+    node.wait_for("ready")
+    driver = make_peer("other_driver")
+    arrays = hear_diagnostics(driver)
+    publisher = driver.node.create_publisher(Clock, "/scan", 10)
+    driver.spin_until(lambda: any(s.level == b"\x02" for s in statuses(arrays, "topic types")))
+    line = node.wait_for("/other_driver publishes")
+    assert "/scan: no messages pass" in line
+    assert "rosgraph_msgs/msg/Clock, this node sensor_msgs/msg/LaserScan" in line
+    driver.node.destroy_publisher(publisher)
+    driver.spin_until(lambda: statuses(arrays, "topic types")[-1].level == b"\x00")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["gain:=1.0"], "unknown ROS argument ['gain:=1.0']: put -p before each"),
+        (["-p", "gain:="], "'-p gain:='"),
+    ],
+)
+def test_ros_arguments_that_cannot_be_read_are_one_line(
+    start: Start, given: list[str], said: str
+) -> None:
+    code = "import sys; from rclpy.node import Node; from floornav_common.ros.main import run_node;"
+    node = start("-c", code + " sys.exit(run_node(Node))", "--ros-args", *given)
+    assert node.wait_for_exit() == 2
+    assert len(node.lines) == 1 and said in node.text
+
+
 def test_the_cure_for_a_qos_mismatch_works(start: Start, peer: Peer) -> None:
     key = "qos_overrides./scan.subscription.reliability"
     node = start(NODES, "picky", "--ros-args", "-p", f"{key}:=best_effort")

@@ -39,7 +39,12 @@ def run_node(make_node: Callable[[], Node], args: Sequence[str] | None = None) -
         Exit code: 0 stopped by SIGINT, SIGTERM or shutdown, however early, 1 failed, 2 not usable
         as given.
     """
-    others = remove_ros_args(sys.argv)[1:] if args is None else []
+    try:
+        with _bad_start_as_usage():
+            others = remove_ros_args(sys.argv)[1:] if args is None else []
+    except ParameterError as error:
+        print(error, file=sys.stderr)
+        return EXIT_USAGE
     if {"-h", "--help"} & set(others):
         print(_usage(make_node))
         return EXIT_OK
@@ -118,9 +123,10 @@ def _bad_start_as_usage() -> Iterator[None]:
 
 
 def _one_line(error: Exception) -> str:
-    text = " ".join(str(error).split()).split(", at /")[0]
-    is_argument = type(error).__name__ == "UnknownROSArgsError"
-    return f"unknown ROS argument {text}" if is_argument else text
+    text = " ".join(str(error).split()).split(", at /")[0].removesuffix(" Error: error not set")
+    if type(error).__name__ == "UnknownROSArgsError":
+        return f"unknown ROS argument {text}: put -p before each NAME:=VALUE, -r before FROM:=TO"
+    return text
 
 
 def _spin(nodes: Sequence[Node], signals: StopSignals) -> None:

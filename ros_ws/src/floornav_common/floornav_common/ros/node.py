@@ -16,6 +16,7 @@ from floornav_common.ros.diagnostics import ERROR, OK, Diagnostics, Status
 from floornav_common.ros.parameters import declare_config, refuse_unknown_parameters
 from floornav_common.ros.threads import limit_threads
 from floornav_common.ros.transforms import TransformListener
+from floornav_common.ros.type_watch import TypeWatch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +50,8 @@ class FloornavNode(Node):
         self.diagnostics = Diagnostics(self)
         self.diagnostics.add("clock", self._clock_status)
         self.time.on_restart(self._say_restart)
+        self._types = TypeWatch(self, self.diagnostics)
+        self.time.on_look(lambda: self._types.look(self.time.steady_ns()))
         self.time.on_look(lambda: self.diagnostics.look(self.time.steady_ns()))
         self._frames: FrameConfig | None = None
 

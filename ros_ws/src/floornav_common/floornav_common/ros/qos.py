@@ -153,7 +153,7 @@ def lost_text(topic: str, num_lost: int, others: list[str]) -> str:
 def publisher_names(node: Node, topic: str) -> list[str]:
     """Return the full names of the nodes that publish a topic (full name), this one left out."""
     own = node.get_fully_qualified_name()
-    return [name for name in _names(node.get_publishers_info_by_topic(topic)) if name != own]
+    return [name for name in full_names(node.get_publishers_info_by_topic(topic)) if name != own]
 
 
 def _with_overrides(create: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
@@ -176,7 +176,7 @@ def _warn_when_named(
     def look() -> None:
         nonlocal num_looks
         num_looks += 1
-        names = _names(mismatched())
+        names = full_names(mismatched())
         if names or num_looks >= _NAME_LOOKS:
             node.destroy_timer(timer)
             node.get_logger().warning(mismatch_text(topic, policy, names, role))
@@ -189,7 +189,7 @@ def _is_compatible(publisher: QoSProfile, subscription: QoSProfile) -> bool:
     return bool(compatibility != QoSCompatibility.ERROR)
 
 
-def _names(infos: list[Any]) -> list[str]:
+def full_names(infos: list[Any]) -> list[str]:
     """Return full node names; those the graph has not heard yet are left out."""
     names = {f"{i.node_namespace.rstrip('/')}/{i.node_name}" for i in infos}
     return sorted(name for name in names if "_UNKNOWN_" not in name)
