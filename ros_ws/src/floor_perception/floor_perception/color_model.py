@@ -66,7 +66,7 @@ def learn(colors: np.ndarray, config: ColorConfig, share: float = 0.0) -> FloorC
     if len(colors) < _MIN_PIXELS:
         raise ValueError(f"colors must be at least {_MIN_PIXELS} pixels, got {len(colors)}")
     chroma = chromaticity(colors)
-    mean, cov = _densest(chroma), np.eye(2) * (3.0 / _BINS) ** 2
+    mean, cov = _densest(chroma), np.eye(2) * (1.5 / _BINS) ** 2
     for _ in range(_NUM_TRIMS):
         near = _distance2(chroma, mean, cov) < 9.0
         mean = chroma[near].mean(axis=0)

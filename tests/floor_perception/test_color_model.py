@@ -1,0 +1,125 @@
+"""The floor's color: learned by majority, looked up, followed, kept in files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from painted_floors import BROWN, GRAY, GREEN, WHITE
+
+from floor_perception.color_files import load_color, save_color
+from floor_perception.color_model import (
+    chromaticity,
+    classify,
+    color_table,
+    differs,
+    has_color,
+    learn,
+    response_part,
+    shifted,
+)
+from floor_perception.config import ColorConfig
+
+CONFIG = ColorConfig()
+
+
+def pixels(color: tuple[int, int, int], num: int, seed: int = 0) -> np.ndarray:
+    noise = np.random.default_rng(seed).normal(0.0, 3.0, (num, 3))
+    return np.clip(np.rint(np.array(color) + noise), 0, 255).astype(np.uint8)
+
+
+def test_a_shadow_leaves_chromaticity_as_it_is() -> None:
+    colors = np.array([[20, 100, 40], [10, 50, 20], [0, 0, 0]])
+    assert chromaticity(colors)[0] == pytest.approx([0.125, 0.625])
+    assert chromaticity(colors)[1] == pytest.approx(chromaticity(colors)[0])
+    assert chromaticity(colors)[2] == pytest.approx([1 / 3, 1 / 3])
+
+
+def test_the_densest_color_is_learned_from_a_mixture() -> None:
+    mixed = np.concatenate((pixels(GREEN, 600), pixels(WHITE, 250, 1), pixels(BROWN, 150, 2)))
+    color = learn(mixed, CONFIG, share=0.5)
+    assert color.chroma == pytest.approx(chromaticity(np.array(GREEN)), abs=0.01)
+    assert color.middle == pytest.approx(sum(GREEN), rel=0.03)
+    assert color.low < color.middle < color.high
+
+
+def test_no_color_is_learned_where_none_prevails() -> None:
+    mixed = np.concatenate([pixels(c, 300, k) for k, c in enumerate((GREEN, WHITE, BROWN))])
+    with pytest.raises(ValueError, match="share a color"):
+        learn(mixed, CONFIG, share=0.5)
+    with pytest.raises(ValueError, match="at least 50 pixels"):
+        learn(mixed[:10], CONFIG)
+
+
+@pytest.mark.parametrize("other", [WHITE, GRAY, BROWN, (0, 0, 0), (255, 255, 255)])
+def test_other_colors_are_not_the_floors(other: tuple[int, int, int]) -> None:
+    color = learn(pixels(GREEN, 500), CONFIG)
+    assert has_color(color, pixels(GREEN, 500, 5), CONFIG).mean() > 0.99
+    assert has_color(color, pixels(tuple(v // 2 for v in GREEN), 500, 5), CONFIG).mean() > 0.95
+    assert not has_color(color, pixels(other, 500, 6), CONFIG).any()
+
+
+def test_the_table_says_what_the_formula_says_in_both_orders() -> None:
+    color = learn(pixels(GREEN, 500), CONFIG)
+    edges = np.arange(2, 256, 4)  # the middles of the table's steps
+    cube = np.stack(np.meshgrid(edges, edges, edges, indexing="ij"), -1).reshape(-1, 3)
+    expected = has_color(color, cube, CONFIG)
+    rgb, bgr = (color_table(color, CONFIG, order) for order in ("rgb", "bgr"))
+    assert ((rgb > 0) == expected).all() and expected.any()
+    assert (bgr.reshape(64, 64, 64) == rgb.reshape(64, 64, 64).transpose(2, 1, 0)).all()
+
+
+def test_only_the_spans_are_looked_up() -> None:
+    color = learn(pixels(GREEN, 500), CONFIG)
+    image = np.full((2, 6, 3), GREEN, dtype=np.uint8)
+    always = np.zeros((2, 6), dtype=np.uint8)
+    mask = np.full((2, 6), 7, dtype=np.uint8)
+    spans = np.array([[1, 4], [0, 0]], dtype=np.int32)
+    classify(image, color_table(color, CONFIG), spans, always, mask)
+    assert mask.tolist() == [[7, 255, 255, 255, 7, 7], [7] * 6]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.01, 1.0))
+def test_a_part_of_the_way_lies_between(part: float) -> None:
+    old, new = learn(pixels(GREEN, 500), CONFIG), learn(pixels(BROWN, 500), CONFIG)
+    now = shifted(old, new, part)
+    assert now.chroma == pytest.approx(old.chroma + part * (new.chroma - old.chroma))
+    assert min(old.middle, new.middle) <= now.middle <= max(old.middle, new.middle)
+    assert differs(old, new) and not differs(old, old)
+
+
+def test_a_response_is_two_thirds_through_after_its_time_constant() -> None:
+    assert response_part(5.0, 5.0) == pytest.approx(0.632, abs=1e-3)
+    assert response_part(1.0, 0.0) == 0.0
+    assert response_part(-1.0, 5.0) == 0.0
+
+
+def test_a_color_comes_back_from_its_file(tmp_path: Path) -> None:
+    color = learn(pixels(GREEN, 500), CONFIG)
+    save_color(color, tmp_path / "green.yaml")
+    back = load_color(tmp_path / "green.yaml")
+    assert back.chroma == pytest.approx(color.chroma) and back.cov == pytest.approx(color.cov)
+    assert (back.low, back.middle, back.high) == (color.low, color.middle, color.high)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("kind: shoe", "kind: floor_color"),
+        ("kind: floor_color\nchroma: [1, 2]", "keys must be"),
+        ("{", "not YAML"),
+        ("kind: floor_color\nchroma: [a, 2]\ncov: [[1, 0], [0, 1]]\nlow: 1\nmiddle: 2\nhigh: 3",
+         "must be numbers"),
+        ("kind: floor_color\nchroma: [0, 0]\ncov: [[1, 0], [0, -1]]\nlow: 1\nmiddle: 2\nhigh: 3",
+         "cov must be positive"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_no_color_is_refused(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=words):
+        load_color(path)
