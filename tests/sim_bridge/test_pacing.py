@@ -41,7 +41,8 @@ def test_waiting_is_bounded_and_the_late_one_may_come_back() -> None:
     assert pace.give_up(S, 14.9) == []
     assert pace.give_up(S, 15.0) == ["pose"]
     assert pace.late(S) == []
-    pace.heard("pose", 2 * S)
+    assert pace.heard("pose", 2 * S)
+    assert not pace.heard("pose", 2 * S)
     assert pace.late(3 * S) == ["pose"]
 
 

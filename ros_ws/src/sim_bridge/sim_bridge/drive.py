@@ -18,6 +18,7 @@ class Velocity:
 
 
 STOP = Velocity(0.0, 0.0)
+_CLIP_TOL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,22 @@ def refusal(config: DriveConfig, command: Velocity) -> str:
         if abs(value) > config.absurd_factor * limit:
             return f"{name} is {value:g} {unit}, more than {config.absurd_factor:g} x {limit:g}"
     return ""
+
+
+def limitation(config: DriveConfig, command: Velocity) -> str:
+    """Return what of a command is not done as asked: clipped or ignored; "" if all is done."""
+    texts = []
+    travel = command.speed
+    if config.is_omnidirectional:
+        travel = math.hypot(command.speed, command.side_speed)
+    elif command.side_speed:
+        texts.append("linear.y is ignored: the drive cannot move sideways")
+    if abs(travel) > config.max_speed_m_s + _CLIP_TOL:
+        texts.append(f"travel is clipped to max_speed_m_s, {config.max_speed_m_s:g} m/s")
+    if abs(command.yaw_rate) > config.max_yaw_rate_rad_s + _CLIP_TOL:
+        limit = config.max_yaw_rate_rad_s
+        texts.append(f"angular.z is clipped to max_yaw_rate_rad_s, {limit:g} rad/s")
+    return "; ".join(texts)
 
 
 def drive_step(

@@ -70,15 +70,24 @@ class Pace:
         self._answered_ns: dict[str, int | None] = dict(self._at_start)
         self._lag_ns = round(lag_s * 1e9)
         self._timeout_s = timeout_s
+        self._given_up: set[str] = set()
         self._waiting_since: float | None = None
 
-    def heard(self, topic: str, stamp_ns: int) -> None:
-        """Note an answer at a simulated time; an older one after a newer changes nothing."""
+    def heard(self, topic: str, stamp_ns: int) -> bool:
+        """Note an answer at a simulated time; an older one after a newer changes nothing.
+
+        Returns:
+            Whether it had been given up and is back.
+        """
         self._answered_ns[topic] = max(stamp_ns, self._answered_ns[topic] or 0)
+        is_back = topic in self._given_up
+        self._given_up.discard(topic)
+        return is_back
 
     def restart(self) -> None:
         """Forget all answers: time went back to its start."""
         self._answered_ns = dict(self._at_start)
+        self._given_up.clear()
         self._waiting_since = None
 
     def late(self, stamp_ns: int) -> list[str]:
@@ -101,5 +110,6 @@ class Pace:
             return []
         for topic in late:
             self._answered_ns[topic] = None
+            self._given_up.add(topic)
         self._waiting_since = None
         return late

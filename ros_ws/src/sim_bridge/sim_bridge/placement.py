@@ -10,6 +10,7 @@ from floornav_common.se2 import SE2
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.schema import WorldError
 from sim_bridge.solids import Solid
+from sim_bridge.world import World
 
 _PER_EDGE = 20
 _RINGS = 12
@@ -35,6 +36,20 @@ def require_free(
         for other in names[:number]:
             if _is_inside(models[other], starts[other].inverse() @ footprint).any():
                 raise WorldError(f"{where} is inside robot {_called(other)}")
+
+
+def oddities(world: World) -> list[str]:
+    """Return what is allowed in a world but hardly meant, a sentence each."""
+    found = []
+    if not world.robots:
+        found.append(f"world {world.name}: no robots, nothing but /clock and people will move")
+    ends = np.array([end for wall in world.walls for end in (wall.from_m, wall.to_m)])
+    for robot in world.robots if len(ends) > 2 else ():
+        place = np.array(robot.position_m)
+        if (place < ends.min(axis=0)).any() or (place > ends.max(axis=0)).any():
+            x, y = robot.position_m
+            found.append(f"robot {_called(robot.name)} at ({x:g}, {y:g}) is outside all walls")
+    return found
 
 
 def _filled(model: RobotModel) -> np.ndarray:

@@ -123,6 +123,7 @@ class Simulation:
             is_watched: Tells of (robot, camera), as in `Views`, whether an image that is due is
                 drawn. Nothing else, later images neither, depends on the answer.
         """
+        _require_commands(commands, self.models)
         dt = STEP_NS * 1e-9
         floor: dict[str, Velocity] = {}
         for name, model in self.models.items():
@@ -188,6 +189,33 @@ class Simulation:
         wheels = first_wheel_state(self.models[name].config.wheels, rng_wheels)
         odometry = first_odometry(self.models[name].config.wheels)
         return _RobotState(DriveState(), wheels, odometry, 0, rng_wheels)
+
+
+def check_world(world: World) -> None:
+    """Check that a world can be simulated, without building it.
+
+    Raises:
+        WorldError: As `Simulation`.
+    """
+    models = {placed.name: load_robot(placed) for placed in world.robots}
+    starts = {placed.name: placed.pose for placed in world.robots}
+    require_free(models, starts, solids_of(world))
+    _people_of(world, SE2.identity())
+
+
+def _require_commands(commands: Mapping[str, Velocity], known: Mapping[str, object]) -> None:
+    if not isinstance(commands, Mapping):
+        kind = type(commands).__name__
+        raise ValueError(
+            f'commands must map names of robots to Velocity ("" without name), got {kind}'
+        )
+    for name, command in commands.items():
+        if name not in known:
+            there = ", ".join(repr(n) for n in known) or "none"
+            raise ValueError(f"commands must name robots of the world ({there}), got {name!r}")
+        if not isinstance(command, Velocity):
+            kind = type(command).__name__
+            raise ValueError(f"commands[{name!r}] must be a Velocity, got {kind}")
 
 
 def _people_of(world: World, T_new_old: SE2) -> People:

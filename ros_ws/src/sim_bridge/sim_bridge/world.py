@@ -205,7 +205,8 @@ class World:
         names = [robot.name for robot in self.robots]
         for name in names:
             if names.count(name) > 1:
-                raise ValueError(f"two robots have the name {name!r}")
+                text = f"two robots have the name {name!r}" if name else "several robots need names"
+                raise ValueError(text)
         people = [person.name for person in self.people]
         for name in people:
             if people.count(name) > 1:

@@ -9,10 +9,12 @@ from typing import Any
 from floornav_common.ros.messages import stamp_to_ns
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import SENSOR_QOS
+from floornav_common.time_watch import Throttle
 from sim_bridge.config import SimBridgeConfig
 from sim_bridge.pacing import Pace
 
 _LOOK_PERIOD_S = 0.5
+_PATIENCE_NS, _SAY_PERIOD_NS = 5_000_000_000, 30_000_000_000
 _OF_EVERY_NODE = ("/rosout", "/parameter_events", "/diagnostics", "/tf", "/tf_static", "/clock")
 _LARGE = (
     "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2",
@@ -42,6 +44,7 @@ class Answers:
         self._unknown = {topic: node.resolve_topic_name(topic) for topic in config.pace_topics}
         self._nodes = {name: _full_name(node, name) for name in config.pace_nodes}
         self._heard: set[tuple[str, str]] = set()
+        self._started_ns, self._says = node.time.steady_ns(), Throttle(_SAY_PERIOD_NS)
         clock = node.time.steady_clock
         self._timer = node.create_timer(_LOOK_PERIOD_S, self._look, clock=clock)
 
@@ -55,6 +58,18 @@ class Answers:
         for given, (space, name) in self._nodes.items():
             if (space, name) in there:
                 self._subscribe_to_node(given, space, name)
+        absent = [given for given, full_name in self._nodes.items() if full_name not in there]
+        self._say_missing(absent)
+
+    def _say_missing(self, absent: list[str]) -> None:
+        """Say now and then what time does not wait for, because nobody has ever seen it."""
+        now_ns = self._node.time.steady_ns()
+        heard = {name for name, _ in self._heard}
+        texts = [f"nobody publishes {topic}" for topic in self._unknown]
+        texts += [f"there is no node {name}" for name in absent if name not in heard]
+        if texts and now_ns - self._started_ns > _PATIENCE_NS and self._says.is_due(now_ns):
+            text = f"time does not wait for all that it should: {', '.join(texts)}"
+            self._node.get_logger().warning(text)
 
     def _subscribe_to_node(self, given: str, space: str, name: str) -> None:
         try:
@@ -73,7 +88,8 @@ class Answers:
             header = getattr(msg, "header", None)
             now_ns = self._stamp_ns()
             stamp_ns = now_ns if header is None else stamp_to_ns(header.stamp)
-            self._pace.heard(waited_for, min(stamp_ns, now_ns))
+            if self._pace.heard(waited_for, min(stamp_ns, now_ns)):
+                self._node.get_logger().info(f"{waited_for} answers again: time waits for it")
 
         package, _, name = type_name.partition("/msg/")
         try:

@@ -36,13 +36,18 @@ class PacingListener:
         self._pace = Pace(waited_for, config.pace_lag_s, config.pace_timeout_s, known)
         self._answers = Answers(node, config, self._pace, stamp_ns) if waited_for else None
         self._audience = self._make_audience(config)
-        self._warnings = Throttle(_WARN_PERIOD_NS)
+        self._warnings, self._has_said = Throttle(_WARN_PERIOD_NS), False
         self._next_look = 0.0
 
     @property
     def is_in_use(self) -> bool:
         """Tell whether answers are waited for."""
         return self._answers is not None
+
+    @property
+    def is_waiting_for_listeners(self) -> bool:
+        """Tell whether time waits for those who should listen before it starts."""
+        return self._audience is not None
 
     def may_go_on(self, now: float) -> bool:
         """Tell whether time may go on, at a steady time (s)."""
@@ -79,6 +84,16 @@ class PacingListener:
             self._audience = None
             return True
         if audience.missing and self._warnings.is_due(round(now * 1e9)):
-            text = f"time waits for {', '.join(audience.missing)} to listen"
-            self._node.get_logger().info(text)
+            self._say_missing(audience.missing)
         return False
+
+    def _say_missing(self, names: list[str]) -> None:
+        """Say who is waited for; the second time it may be a wrong name: say who is there."""
+        text = f"time waits for {', '.join(names)} to listen"
+        if not self._has_said:
+            self._has_said = True
+            self._node.get_logger().info(text)
+            return
+        there = self._node.get_node_names_and_namespaces()
+        full = sorted({f"{space.rstrip('/')}/{name}" for name, space in there})
+        self._node.get_logger().warning(f"{text} (start_nodes); nodes there are: {', '.join(full)}")

@@ -18,7 +18,7 @@ from floornav_common.ros.qos import (
 )
 from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
 from floornav_common.transform3 import Transform3
-from sim_bridge.drive import Velocity
+from sim_bridge.drive import Velocity, limitation, refusal
 from sim_bridge.nodes.camera_port import CameraPort
 from sim_bridge.nodes.sonar_port import SonarPort
 from sim_bridge.observations import RobotObservation
@@ -75,6 +75,7 @@ class RobotPort:
             tf_static.send(self._base, self._prefix + link, 0, Transform3(T_base_link))
         self._command: Velocity | None = None
         self._was_touching: bool | None = None
+        self._limited = ""
 
     def take_command(self) -> Velocity | None:
         """Return the command that came since the last call, if one did."""
@@ -111,3 +112,9 @@ class RobotPort:
 
     def _on_command(self, msg: Any) -> None:
         self._command = velocity_from_msg(msg)
+        drive = self._model.config.drive
+        limited = "" if refusal(drive, self._command) else limitation(drive, self._command)
+        if limited and limited != self._limited:
+            self._limited = limited
+            text = f"{self._topic}cmd_vel: {limited}"
+            self._node.get_logger().warning(text, throttle_duration_sec=2.0)

@@ -27,9 +27,12 @@ from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.parameters import ParameterError, declare_config
 from floornav_common.ros.qos import CLOCK_QOS, create_publisher
 from sim_bridge.config import SimBridgeConfig
+from sim_bridge.display import NO_DISPLAY, has_display
 from sim_bridge.nodes.pacing_listener import PacingListener
+from sim_bridge.nodes.run_watch import RunWatch
 from sim_bridge.nodes.world_ports import PeoplePort, robot_ports
 from sim_bridge.physics import PybulletMissingError
+from sim_bridge.placement import oddities
 from sim_bridge.schema import WorldError, parsed_parameters
 from sim_bridge.simulation import STEP_NS, Simulation
 from sim_bridge.world import load_world
@@ -47,6 +50,8 @@ class SimBridgeNode(FloornavNode):
         """Build the world and start its time, unless in lockstep."""
         super().__init__("sim_bridge")
         self._config = declare_config(self, SimBridgeConfig, on_change=self._set_config)
+        if self._config.view and not has_display():
+            raise ParameterError(f"view:=true {NO_DISPLAY}: leave it out")
         self.get_logger().info(
             f"building world {self._config.world!r}; the first time on a machine the ray casters "
             "are compiled, which takes some ten seconds"
@@ -60,12 +65,16 @@ class SimBridgeNode(FloornavNode):
             )
         except (WorldError, PybulletMissingError) as error:
             raise ParameterError(str(error)) from error
+        for oddity in oddities(self._sim.world):
+            self.get_logger().warning(oddity)
         self._ports = robot_ports(self, self._config, self._sim.models)
         self._people = PeoplePort(self) if self._sim.has_people else None
         self._clock_pub = create_publisher(self, ClockMsg, "/clock", CLOCK_QOS)
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_service(Trigger, "~/step", self._on_step)
         self._pace = PacingListener(self, self._config, lambda: self._sim.stamp_ns)
+        self._watch = RunWatch(self)
+        self.time.on_look(self._look)
         self._owed_s, self._looked_at = 0.0, time.monotonic()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(_TIMER_PERIOD_S, self._on_timer, clock=steady)
@@ -73,6 +82,11 @@ class SimBridgeNode(FloornavNode):
 
     def _set_config(self, config: SimBridgeConfig) -> None:
         self._config = config
+
+    def _look(self) -> None:
+        config = self._config
+        is_held = config.lockstep or config.paused or self._pace.is_waiting_for_listeners
+        self._watch.look(self._sim.stamp_ns, config.real_time_factor, is_held=is_held)
 
     def _on_timer(self) -> None:
         now = time.monotonic()

@@ -57,7 +57,10 @@ def read_obsmat(path: Path) -> np.ndarray:
         data = path.read_bytes()
         text = (gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data).decode()
     except OSError as error:
-        raise WorldError(f"recorded people: {path}: {error.strerror or error}") from error
+        raise WorldError(
+            f"recorded people: {path}: {error.strerror or error}; name another file with "
+            "world_parameters:=[file=...] (demo.py: --set file=...) if the world has that figure"
+        ) from error
     except (UnicodeDecodeError, EOFError, zlib.error) as error:
         raise WorldError(f"recorded people: {path}: not text: {error}") from error
     rows = []
