@@ -54,11 +54,11 @@ def test_intervals_of_the_curve_hold_the_truth_as_often_as_they_say() -> None:
     at = np.array([60.0, 80.0, 100.0, 105.0])
     truth = MIRROR.floor_distance(at)
     held = []
-    for seed in range(100):
+    for seed in range(60):
         found = fit_mirror(noisy(0.2, seed), DISTANCES).floor_distance(at)
         held.append(np.abs(found.values - truth) < found.half_widths)
-    # 95 % of 100: five standard deviations below are 84.
-    assert (np.mean(held, axis=0) > 0.84).all()
+    # 95 % of 60, less four standard deviations.
+    assert (np.mean(held, axis=0) > 0.83).all()
 
 
 def test_a_mirror_of_another_size_and_xi_comes_back() -> None:

@@ -31,7 +31,7 @@ MAX_RMS = 0.1
 """Of the radii's span: what lies farther off is no mirror's curve."""
 OUTLIER_SD = 4.0
 _MM = 1000.0
-_LOG_BOUNDS = ((-5.0, -7.0, -7.0), (12.0, 2.0, 5.0))
+_MAX_LOG = 30.0
 NAMES = ("gamma_px", "xi", "height_m")
 
 
@@ -188,14 +188,13 @@ def _solve(
 
     def filled(logs: np.ndarray) -> np.ndarray:
         parameters = start.copy()
-        parameters[free] = np.exp(logs)
+        parameters[free] = np.exp(np.clip(logs, -_MAX_LOG, _MAX_LOG))
         return parameters
 
-    limits = tuple(np.array(bound)[free] for bound in _LOG_BOUNDS)
     found = least_squares(
         lambda logs: mirror_radius(r, *filled(logs)) - R,
-        np.clip(np.log(start[free]), *limits),
-        bounds=limits, x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14, max_nfev=500,
+        np.log(start[free]),
+        method="lm", x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12, max_nfev=400,
     )  # fmt: skip
     return filled(found.x), float(found.cost)
 
