@@ -21,6 +21,7 @@ from sim_bridge.config import (
     SimBridgeConfig,
     WheelConfig,
 )
+from sjmc_planner.config import LocalPlannerConfig
 
 NODES: dict[str, tuple[type, ...]] = {
     "grid_mapper grid_mapper": (
@@ -31,6 +32,7 @@ NODES: dict[str, tuple[type, ...]] = {
     ),
     "sim_bridge sim_bridge": (SimBridgeConfig, FrameConfig, ProcessConfig),
     "sim_bridge route_follower": (RouteConfig, ProcessConfig),
+    "sjmc_planner local_planner": (LocalPlannerConfig, FrameConfig, ProcessConfig),
 }  # fmt: skip
 """Every node, as `ros2 run` names it, and what it declares."""
 

@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NODE_CLASSES = {
     "grid_mapper grid_mapper": "grid_mapper.nodes.grid_mapper_node:GridMapperNode",
     "sim_bridge sim_bridge": "sim_bridge.nodes.sim_bridge_node:SimBridgeNode",
+    "sjmc_planner local_planner": "sjmc_planner.nodes.local_planner_node:LocalPlannerNode",
     "sim_bridge route_follower": "sim_bridge.nodes.route_follower_node:RouteFollowerNode",
 }
 ROS_OWN = ("use_sim_time", "start_type_description_service", "qos_overrides.")

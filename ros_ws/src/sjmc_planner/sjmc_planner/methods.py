@@ -1,0 +1,28 @@
+"""The methods by name; a new one is a class with `decide` and a line here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sjmc_planner.config import LocalPlannerConfig
+from sjmc_planner.omni_velocity import Cycle, OmniStatic, OmniVelocity
+from sjmc_planner.planning import Method
+
+
+def make_method(config: LocalPlannerConfig) -> Method:
+    """Return the method that a configuration names."""
+    return METHODS[config.method](config)
+
+
+def _cycle(config: LocalPlannerConfig) -> Cycle:
+    return Cycle(
+        period=config.control_period_s,
+        goal_tolerance=config.goal_tolerance_m,
+        unseen_gap=config.unseen_gap_rad,
+    )
+
+
+METHODS: dict[str, Callable[[LocalPlannerConfig], Method]] = {
+    "omni_velocity": lambda c: OmniVelocity(c.robot, c.omni, _cycle(c)),
+    "omni_static": lambda c: OmniStatic(c.robot, c.omni, _cycle(c)),
+}

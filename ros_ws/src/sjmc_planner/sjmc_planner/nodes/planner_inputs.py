@@ -1,0 +1,125 @@
+"""What the planner hears: scan, odometry, and its pose; each says what is wrong with it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+
+from floornav_common.ros.messages import scan_from_msg, stamp_to_ns
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.qos import SENSOR_QOS, create_subscription
+from floornav_common.ros.watchdog import Watchdog
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from floornav_common.transform_errors import TransformUnavailable
+from sjmc_planner.config import LocalPlannerConfig
+from sjmc_planner.limited_motion import moved_by
+from sjmc_planner.planning import STILL, Obstacles, Velocity
+from sjmc_planner.ros_conversions import velocity_from_msg
+from sjmc_planner.scan_mount import mounted
+
+
+class InputMissing(Exception):  # noqa: N818, the base says what it means
+    """Something is not there, is too old or is not usable: the robot must not move."""
+
+
+class PlannerInputs:
+    """The newest of each input, carried forward to now.
+
+    Args:
+        node: The node.
+        config: Time limits.
+    """
+
+    def __init__(self, node: FloornavNode, config: LocalPlannerConfig) -> None:
+        self._node, self._config, self._base = node, config, node.frames.base
+        self._scan: tuple[Scan, str, int] | None = None
+        self._velocity = STILL
+        self._bad_scan = self._bad_odometry = ""
+        scans = create_subscription(node, LaserScan, "scan", self._on_scan, SENSOR_QOS)
+        odometry = create_subscription(node, Odometry, "odom", self._on_odom, SENSOR_QOS)
+        self._scans = Watchdog(node, scans.topic_name, config.scan_timeout_s)
+        self._odometry = Watchdog(node, odometry.topic_name, config.odom_timeout_s)
+
+    def set_config(self, config: LocalPlannerConfig) -> None:
+        """Take other time limits."""
+        self._config = config
+        self._scans.set_timeout(config.scan_timeout_s)
+        self._odometry.set_timeout(config.odom_timeout_s)
+
+    def velocity(self) -> Velocity:
+        """Return the measured velocity.
+
+        Raises:
+            InputMissing: If odometry is not fresh or not usable.
+        """
+        self._require(self._odometry, self._bad_odometry)
+        return self._velocity
+
+    def obstacles(self, velocity: Velocity) -> Obstacles:
+        """Return the newest scan, seen from where the robot is now.
+
+        Raises:
+            InputMissing: If it is not fresh, not usable, or its sensor's place is not known.
+        """
+        self._require(self._scans, self._bad_scan)
+        assert self._scan is not None
+        scan, frame, stamp_ns = self._scan
+        try:
+            T_base_sensor = self._node.transforms.buffer.lookup(self._base, frame)
+            seen = mounted(scan, T_base_sensor)
+        except (TransformUnavailable, ValueError) as error:
+            raise InputMissing(f"{self._scans.topic}: {error}") from error
+        age = self._age(stamp_ns)
+        if age > self._config.scan_timeout_s:
+            raise InputMissing(f"{self._scans.topic}: its stamp is {age:.1f} s old")
+        return Obstacles(scan=seen.scan, T_base_sensor=_back(velocity, age) @ seen.T_base_sensor)
+
+    def pose(self, frame: str, velocity: Velocity) -> SE2:
+        """Return the robot's pose in a frame, carried forward from the newest known.
+
+        Raises:
+            InputMissing: If it is not known or older than `pose_timeout_s`.
+        """
+        buffer, base = self._node.transforms.buffer, self._base
+        try:
+            T_frame_base = buffer.lookup(frame, base).to_se2()
+            stamp_ns = buffer.newest_common_stamp(frame, base)
+        except (TransformUnavailable, ValueError) as error:
+            raise InputMissing(f"pose: {error}") from error
+        age = self._age(stamp_ns) if stamp_ns else 0.0
+        if age > self._config.pose_timeout_s:
+            raise InputMissing(f"pose: '{frame}' to '{base}' is {age:.1f} s old")
+        return T_frame_base @ moved_by(velocity, age)
+
+    def _age(self, stamp_ns: int) -> float:
+        return max(0.0, (self._node.get_clock().now().nanoseconds - stamp_ns) * 1e-9)
+
+    @staticmethod
+    def _require(watchdog: Watchdog, fault: str) -> None:
+        if not watchdog.is_fresh:
+            raise InputMissing(f"{watchdog.topic}: {watchdog.status().message}")
+        if fault:
+            raise InputMissing(f"{watchdog.topic}: {fault}")
+
+    def _on_scan(self, msg: Any) -> None:
+        self._scans.feed()
+        try:
+            scan = scan_from_msg(msg)
+            self._scan = scan, msg.header.frame_id, stamp_to_ns(msg.header.stamp)
+            self._bad_scan = ""
+        except ValueError as error:
+            self._bad_scan = str(error)
+
+    def _on_odom(self, msg: Any) -> None:
+        self._odometry.feed()
+        try:
+            self._velocity, self._bad_odometry = velocity_from_msg(msg.twist.twist), ""
+        except ValueError as error:
+            self._bad_odometry = str(error)
+
+
+def _back(velocity: Velocity, age: float) -> SE2:
+    return moved_by(velocity, age).inverse()

@@ -1,0 +1,102 @@
+"""Messages of the planner <-> core types."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Point, Twist, TwistStamped
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from sjmc_planner.planning import Debug, Velocity
+
+_GROWN, _OPEN, _SHUT, _CHOSEN = (
+    (0.9, 0.4, 0.1, 0.9), (0.2, 0.7, 0.3, 0.6), (0.6, 0.6, 0.6, 0.4), (0.1, 0.3, 1.0, 1.0)
+)  # fmt: skip
+_LINE_M = 0.01
+
+
+def velocity_from_msg(msg: Any) -> Velocity:
+    """Return the planar part of a Twist.
+
+    Raises:
+        ValueError: If a number is not finite.
+    """
+    values = (float(msg.linear.x), float(msg.linear.y), float(msg.angular.z))
+    if not np.isfinite(values).all():
+        raise ValueError(f"the twist must be finite, got {values}")
+    return Velocity(*values)
+
+
+def velocity_to_msg(velocity: Velocity) -> Twist:
+    """Return a velocity as a Twist."""
+    msg = Twist()
+    msg.linear.x, msg.linear.y = float(velocity.x), float(velocity.y)
+    msg.angular.z = float(velocity.yaw_rate)
+    return msg
+
+
+def velocity_to_stamped_msg(velocity: Velocity, stamp: Any, frame_id: str) -> TwistStamped:
+    """Return a velocity as a TwistStamped."""
+    msg = TwistStamped(twist=velocity_to_msg(velocity))
+    msg.header.stamp, msg.header.frame_id = stamp, frame_id
+    return msg
+
+
+def path_points(msg: Any) -> np.ndarray:
+    """Return the places of a nav_msgs/Path, shape (N, 2), m."""
+    places = [(p.pose.position.x, p.pose.position.y) for p in msg.poses]
+    return np.array(places, dtype=float).reshape(-1, 2)
+
+
+def state_to_msg(
+    name: str, level: bytes, state: str, reason: str, waited_s: float, left_m: float | None
+) -> DiagnosticStatus:
+    """Return what the planner says on `planner/state`."""
+    values = {
+        "state": state,
+        "reason": reason,
+        "waited (s)": f"{waited_s:.1f}",
+        "distance left (m)": "" if left_m is None else f"{left_m:.2f}",
+    }
+    return DiagnosticStatus(
+        name=name, level=level, message=f"{state}: {reason}" if reason else state,
+        values=[KeyValue(key=k, value=v) for k, v in values.items()],
+    )  # fmt: skip
+
+
+def debug_to_msg(debug: Debug, stamp: Any, frame_id: str) -> MarkerArray:
+    """Return the grown obstacles, the ways weighed and the one taken."""
+    shut = [w for w, t in zip(debug.candidates, debug.times, strict=True) if np.isfinite(t)]
+    free = [w for w, t in zip(debug.candidates, debug.times, strict=True) if not np.isfinite(t)]
+    taken = [debug.candidates[debug.chosen]] if debug.chosen >= 0 else []
+    border = debug.grown[np.isfinite(debug.grown).all(axis=1)]
+    markers = [
+        _marker(Marker.POINTS, "grown obstacles", border, _GROWN),
+        _marker(Marker.LINE_LIST, "ways not free", _segments(shut), _SHUT),
+        _marker(Marker.LINE_LIST, "ways free", _segments(free), _OPEN),
+        _marker(Marker.LINE_LIST, "way taken", _segments(taken), _CHOSEN),
+    ]
+    for marker in markers:
+        marker.header.stamp, marker.header.frame_id = stamp, frame_id
+    return MarkerArray(markers=markers)
+
+
+def _segments(ways: list[np.ndarray]) -> np.ndarray:
+    """Return the ends of all legs of some ways, shape (2 L, 2)."""
+    legs = [np.stack((way[:-1], way[1:]), axis=1).reshape(-1, 2) for way in ways]
+    return np.concatenate(legs) if legs else np.zeros((0, 2))
+
+
+def _marker(
+    kind: int, name: str, points: np.ndarray, color: tuple[float, float, float, float]
+) -> Marker:
+    action = Marker.ADD if len(points) else Marker.DELETE
+    marker = Marker(type=kind, ns=name, action=action)
+    marker.scale.x = marker.scale.y = _LINE_M
+    marker.pose.orientation.w = 1.0
+    marker.color = ColorRGBA(r=color[0], g=color[1], b=color[2], a=color[3])
+    marker.points = [Point(x=float(x), y=float(y), z=0.0) for x, y in points]
+    return marker

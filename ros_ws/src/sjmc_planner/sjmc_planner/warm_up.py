@@ -1,0 +1,27 @@
+"""Compiles every kernel, so that the first command is no later than the rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from sjmc_planner.config import LocalPlannerConfig
+from sjmc_planner.methods import METHODS, make_method
+from sjmc_planner.planning import Goal, Obstacles, RobotState, Velocity
+
+
+def compile_kernels() -> None:
+    """Decide once by each method for each kind of drive; compiled code is kept on disk."""
+    scan = Scan(np.full(16, 1.0), -np.pi, np.pi / 8, 0.1, 3.0)
+    default = LocalPlannerConfig()
+    for name in METHODS:
+        for drive in ("omni", "differential"):
+            config = replace(default, method=name, robot=replace(default.robot, drive=drive))
+            for sensor in (SE2.identity(), SE2(0.1, 0.0, 0.0)):
+                make_method(config).decide(
+                    RobotState(Velocity(0.1, 0.0, 0.0)), Obstacles(scan, sensor),
+                    Goal(np.array([2.0, 0.0]), 2.0), has_debug=True,
+                )  # fmt: skip

@@ -1,0 +1,94 @@
+"""Eq. 10 and 12 against hand-made numbers and against the integral of one in the other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from floornav_common.se2 import SE2
+from sjmc_planner.config import RobotConfig
+from sjmc_planner.limited_motion import (
+    limited_position,
+    limited_velocity,
+    moved_by,
+    ramped,
+    stopping_speed,
+)
+from sjmc_planner.planning import STILL, Velocity
+
+TOL = 1e-9
+VA = np.array([0.4, 0.0])
+SPEEDS = st.floats(-1.0, 1.0)
+
+
+def test_a_turn_to_the_left_by_hand():
+    """v_a = (0.4, 0), v_b = (0, 0.4), alpha = 0.4 sqrt(2): |dv| = 0.4 sqrt(2), t_a = 1 s."""
+    vb, accel = np.array([0.0, 0.4]), 0.4 * np.sqrt(2.0)
+    assert limited_velocity(VA, vb, accel, 0.5) == pytest.approx([0.2, 0.2])
+    x = limited_position(VA, vb, accel, 0.1, np.array([0.0, 1.0, 2.0]))
+    # at t = 1: 0.4 (1 + 0.1) - 0.4 / 2 ahead, 0.4 / 2 aside; then 0.4 m/s aside
+    assert x == pytest.approx(np.array([[0.04, 0.0], [0.24, 0.2], [0.24, 0.6]]))
+
+
+def test_both_cases_meet_at_t_a():
+    """The printed plus would jump by dv |dv| / alpha there."""
+    vb, accel, idle = np.array([-0.2, 0.3]), 0.3, 0.03
+    dv = vb - VA
+    ta = np.linalg.norm(dv) / accel
+    around = limited_position(VA, vb, accel, idle, np.array([ta - 1e-9, ta, ta + 1e-9]))
+    assert around[1] == pytest.approx(VA * (ta + idle) + dv * ta / 2.0, abs=TOL)
+    assert np.abs(np.diff(around, axis=0)).max() < 1e-8
+
+
+@given(SPEEDS, SPEEDS, SPEEDS, SPEEDS, st.floats(0.1, 2.0), st.floats(0.0, 4.0))
+def test_position_is_the_integral_of_velocity(ax, ay, bx, by, accel, t):
+    va, vb = np.array([ax, ay]), np.array([bx, by])
+    times = np.linspace(0.0, t, 401)
+    v = np.array([limited_velocity(va, vb, accel, s) for s in times])
+    area = ((v[1:] + v[:-1]) / 2.0 * np.diff(times)[:, None]).sum(axis=0)
+    assert limited_position(va, vb, accel, 0.2, t) == pytest.approx(0.2 * va + area, abs=1e-4)
+
+
+@given(SPEEDS, SPEEDS, SPEEDS, SPEEDS, st.floats(0.1, 2.0), st.floats(0.0, 1.0))
+def test_no_component_of_a_change_beats_the_limit(ax, ay, bx, by, accel, t):
+    va = np.array([ax, ay])
+    v = limited_velocity(va, np.array([bx, by]), accel, t)
+    assert np.linalg.norm(v - va) <= accel * t + TOL
+
+
+def test_stopping_speed_by_hand():
+    """v 0.5 + v^2 / 2 = 1 at 1 m/s^2: v = -0.5 + sqrt(0.25 + 2) = 1."""
+    assert stopping_speed(1.0, 1.0, 0.5) == pytest.approx(1.0)
+    assert stopping_speed(0.0, 1.0, 0.5) == 0.0
+    assert stopping_speed(-1.0, 1.0, 0.5) == 0.0
+
+
+def test_a_ramp_ends_at_the_command_wanted():
+    robot = RobotConfig(accel_m_s2=0.3)
+    last = STILL
+    for _ in range(8):
+        last = ramped(last, Velocity(0.0, 0.1, 0.0), robot, 0.05)
+    assert (last.x, last.y) == pytest.approx((0.0, 0.1))
+    assert ramped(STILL, Velocity(0.3, 0.4, 0.0), robot, 0.1).speed == pytest.approx(0.03)
+
+
+def test_a_differential_ramp_has_no_sideways_speed():
+    robot = RobotConfig(drive="differential", accel_m_s2=1.0, yaw_accel_rad_s2=2.0)
+    sent = ramped(STILL, Velocity(1.0, 1.0, -5.0), robot, 0.1)
+    assert (sent.x, sent.y, sent.yaw_rate) == pytest.approx((0.1, 0.0, -0.2))
+
+
+def test_a_quarter_turn_of_an_arc():
+    """pi/2 m/s at pi/2 rad/s is a circle of 1 m; a second is a quarter of it."""
+    pose = moved_by(Velocity(np.pi / 2, 0.0, np.pi / 2), 1.0)
+    assert pose.as_array() == pytest.approx([1.0, 1.0, np.pi / 2])
+
+
+@given(SPEEDS, SPEEDS, SPEEDS, st.floats(0.0, 1.0))
+def test_two_halves_of_a_steady_motion_make_the_whole(x, y, w, dt):
+    v = Velocity(x, y, w)
+    twice = moved_by(v, dt / 2) @ moved_by(v, dt / 2)
+    assert isinstance(twice, SE2)
+    assert moved_by(v, dt).between(twice).as_array() == pytest.approx(np.zeros(3), abs=1e-9)
