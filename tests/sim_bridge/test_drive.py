@@ -2,10 +2,13 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from sim_bridge.config import DriveConfig
 from sim_bridge.drive import DriveState, Velocity, drive_step, refusal
+from sim_bridge.robot_model import load_robot
+from sim_bridge.world import RobotPlacement
 
 DT = 0.01
 
@@ -75,6 +78,33 @@ def test_acceleration_vector_is_limited_as_in_equation_10() -> None:
     assert math.hypot(state.velocity.speed, state.velocity.side_speed - 0.3) == pytest.approx(0.002)
     state = drive_step(SOCCER, state, Velocity(0.0, 0.0, 0.3), DT)
     assert (state.velocity.speed, state.velocity.side_speed) == pytest.approx((0.0, 0.3))
+
+
+@pytest.mark.parametrize("yaw_rate", [-3.0, 0.7, 3.0])
+def test_equation_10_holds_over_the_floor_while_the_base_turns(yaw_rate: float) -> None:
+    state, yaw, before, most = DriveState(), 0.0, np.zeros(2), 0.0
+    for k in range(600):
+        command = Velocity(0.4, yaw_rate) if k < 400 else Velocity(-0.2, yaw_rate, 0.3)
+        state = drive_step(SOCCER, state, command, DT)
+        v = state.velocity
+        middle = yaw + v.yaw_rate * DT / 2.0
+        c, s = math.cos(middle), math.sin(middle)
+        now = np.array([c * v.speed - s * v.side_speed, s * v.speed + c * v.side_speed])
+        most, before, yaw = max(most, np.hypot(*(now - before)) / DT), now, yaw + v.yaw_rate * DT
+        assert np.hypot(*now) < 0.4 + 1e-9
+    assert most == pytest.approx(0.3, rel=1e-6)
+
+
+def test_the_robot_files_hold_the_papers_figures() -> None:
+    def drive(model: str) -> DriveConfig:
+        return load_robot(RobotPlacement(model=model, position_m=(0.0, 0.0))).config.drive
+
+    soccer = drive("soccer_small_size")  # floor paper: 400 mm/s, 300 mm/s^2, idle for 0.03 s
+    assert (soccer.max_speed_m_s, soccer.max_accel_m_s2, soccer.command_delay_s) == (0.4, 0.3, 0.03)
+    assert soccer.is_omnidirectional and drive("soccer_middle_size").is_omnidirectional
+    for segway in ("segway_rmp50", "segway_urg", "segway_stereo"):
+        assert drive(segway).max_speed_m_s == pytest.approx(6.0 / 3.6, abs=5e-4)  # 6 km/h
+        assert not drive(segway).is_omnidirectional
 
 
 def test_work_of_the_limiter_is_that_of_a_constant_force() -> None:

@@ -130,12 +130,9 @@ class WheelConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class OdometryConfig:
-    """Odometry messages and the uncertainty they claim."""
+    """Odometry messages. The pose's covariance follows from the wheels (`sim_bridge.drift`)."""
 
     period_s: float = param(0.02, "Time between messages.", unit="s", gt=0.0)
-    distance_sd: float = param(0.02, "Deviation of travel after 1 m.", unit="m", ge=0.0)
-    yaw_sd_per_m: float = param(0.03, "Deviation of yaw after 1 m.", unit="rad", ge=0.0)
-    yaw_sd_per_rad: float = param(0.02, "Deviation of yaw after 1 rad.", unit="rad", ge=0.0)
     speed_sd: float = param(0.02, "Deviation of the speeds along x and y.", unit="m/s", ge=0.0)
     yaw_rate_sd: float = param(0.03, "Deviation of the yaw rate.", unit="rad/s", ge=0.0)
 
@@ -181,8 +178,8 @@ class LaserConfig:
     def __post_init__(self) -> None:
         validate(self)
         if self.range_max_m <= self.range_min_m:
-        if self.sweep_s > self.period_s:
-            raise ValueError(f"sweep_s must be <= period_s = {self.period_s}, got {self.sweep_s}")
             raise ValueError(
                 f"range_max_m must be > range_min_m = {self.range_min_m}, got {self.range_max_m}"
             )
+        if self.sweep_s > self.period_s:
+            raise ValueError(f"sweep_s must be <= period_s = {self.period_s}, got {self.sweep_s}")

@@ -100,7 +100,9 @@ def drive_step(
 def _limited(config: DriveConfig, now: Velocity, target: Velocity, dt: float) -> Velocity:
     """Return the velocity on the way to a target; limits act on the vector (floor paper, eq. 10).
 
-    A base that cannot move sideways ignores that part of a command, as drivers do.
+    Eq. 10 speaks of the floor: what the base does turns with it, so the velocity of before is seen
+    from the turned base. A base that cannot move sideways ignores that part of a command, as
+    drivers do; its wheels carry it round a curve, and only its speed is limited.
     """
     yaw_rate = _clip(target.yaw_rate, config.max_yaw_rate_rad_s)
     turn = now.yaw_rate + _clip(yaw_rate - now.yaw_rate, config.max_yaw_accel_rad_s2 * dt)
@@ -108,8 +110,12 @@ def _limited(config: DriveConfig, now: Velocity, target: Velocity, dt: float) ->
         speed = _clip(target.speed, config.max_speed_m_s)
         return Velocity(now.speed + _clip(speed - now.speed, config.max_accel_m_s2 * dt), turn)
     x, y = _shortened(target.speed, target.side_speed, config.max_speed_m_s)
-    dx, dy = _shortened(x - now.speed, y - now.side_speed, config.max_accel_m_s2 * dt)
-    return Velocity(now.speed + dx, turn, now.side_speed + dy)
+    # From the middle of the last step to the middle of this one.
+    angle = -0.5 * (now.yaw_rate + turn) * dt
+    c, s = math.cos(angle), math.sin(angle)
+    ahead, aside = c * now.speed - s * now.side_speed, s * now.speed + c * now.side_speed
+    dx, dy = _shortened(x - ahead, y - aside, config.max_accel_m_s2 * dt)
+    return Velocity(ahead + dx, turn, aside + dy)
 
 
 def _shortened(x: float, y: float, limit: float) -> tuple[float, float]:

@@ -177,9 +177,7 @@ class Simulation:
         if not is_due(self.stamp_ns, config.odometry.period_s, STEP_NS):
             return None
         dt = (self.stamp_ns - state.odometry_ns) * 1e-9
-        state.odometry = odometry_step(
-            config.wheels, config.odometry, state.odometry, state.wheels.turned, dt
-        )
+        state.odometry = odometry_step(config.wheels, state.odometry, state.wheels.turned, dt)
         state.odometry_ns = self.stamp_ns
         return state.odometry
 

@@ -2,18 +2,20 @@
 
 The encoders count how far a wheel turned; slip and the true radius decide how far the robot came.
 Odometry knows only the counts, the believed radius and the track, so it drifts for the reasons a
-real one does.
+real one does, and says by how much (`sim_bridge.drift`).
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from floornav_common.se2 import SE2
-from sim_bridge.config import OdometryConfig, WheelConfig
+from sim_bridge.config import WheelConfig
+from sim_bridge.drift import Drift, drift_step, first_drift, pose_cov
 from sim_bridge.drive import STOP, Velocity
 
 
@@ -39,14 +41,16 @@ class OdometryState:
     Attributes:
         pose: `T_odom_base`.
         velocity: Over the last interval.
-        cov: Covariance of (x, y, yaw) in the odom frame, (3, 3).
+        cov: Mean square error of (x, y, yaw) in the odom frame, (3, 3).
         ticks: Encoder counts (or rad, if exact) at the last update, shape (K,).
+        drift: What `cov` is made of.
     """
 
     pose: SE2
     velocity: Velocity
     cov: np.ndarray
     ticks: np.ndarray
+    drift: Drift
 
 
 def first_wheel_state(config: WheelConfig, rng: np.random.Generator) -> WheelState:
@@ -58,7 +62,9 @@ def first_wheel_state(config: WheelConfig, rng: np.random.Generator) -> WheelSta
 
 def first_odometry(config: WheelConfig) -> OdometryState:
     """Return odometry at its origin."""
-    return OdometryState(SE2.identity(), STOP, np.zeros((3, 3)), np.zeros(num_wheels(config)))
+    num = num_wheels(config)
+    drift = first_drift(config, num)
+    return OdometryState(SE2.identity(), STOP, np.zeros((3, 3)), np.zeros(num), drift)
 
 
 def num_wheels(config: WheelConfig) -> int:
@@ -78,13 +84,19 @@ def base_velocity(config: WheelConfig, speeds: np.ndarray) -> Velocity:
 
     Four and more omnidirectional wheels can contradict each other: least squares then.
     """
+    x, y, yaw = motion_matrix(config) @ speeds
+    return Velocity(float(x), float(yaw), float(y))
+
+
+@functools.lru_cache(maxsize=32)
+def motion_matrix(config: WheelConfig) -> np.ndarray:
+    """Return the base's (forward, left, turn) for each wheel's travel, shape (3, K), 1 and 1/m."""
     if config.bearings_deg:
-        x, y, yaw = np.linalg.pinv(_omni_matrix(config)) @ speeds
-        return Velocity(float(x), float(yaw), float(y))
-    left, right = speeds
-    return Velocity(float(speeds.mean()), float(right - left) / config.track_m)
+        return np.asarray(np.linalg.pinv(_omni_matrix(config)))
+    return np.array([[0.5, 0.5], [0.0, 0.0], [-1.0 / config.track_m, 1.0 / config.track_m]])
 
 
+@functools.lru_cache(maxsize=32)
 def _omni_matrix(config: WheelConfig) -> np.ndarray:
     bearings = np.radians(config.bearings_deg)
     turn = np.full(len(bearings), config.mount_radius_m)
@@ -123,13 +135,12 @@ def wheels_step(
 
 
 def odometry_step(
-    wheels: WheelConfig, config: OdometryConfig, state: OdometryState, turned: np.ndarray, dt: float
+    wheels: WheelConfig, state: OdometryState, turned: np.ndarray, dt: float
 ) -> OdometryState:
     """Dead-reckon over an interval.
 
     Args:
-        wheels: Believed radius and track, encoder ticks.
-        config: The uncertainty to claim.
+        wheels: Believed radius and track, encoder ticks, and how uncertain they are.
         state: At the last update.
         turned: How far each wheel has turned since the start, (K,), rad.
         dt: Time since the last update, s.
@@ -137,7 +148,8 @@ def odometry_step(
     per_turn = wheels.ticks_per_turn
     ticks = np.floor(turned / (2.0 * np.pi) * per_turn) if per_turn else turned
     unit = 2.0 * np.pi / per_turn if per_turn else 1.0
-    moved = base_velocity(wheels, (ticks - state.ticks) * unit * wheels.radius_m)
+    travels = (ticks - state.ticks) * unit * wheels.radius_m
+    moved = base_velocity(wheels, travels)
     ahead, aside, turn = moved.speed, moved.side_speed, moved.yaw_rate
     # Exact for constant wheel speeds: the chord of the arc, along its middle direction.
     shrunk = float(np.sinc(turn / (2.0 * np.pi)))
@@ -148,20 +160,7 @@ def odometry_step(
         state.pose.y + shrunk * (ahead * s + aside * c),
         state.pose.yaw + turn,
     )
-    cov = _grown_cov(config, state.cov, middle, moved, bool(wheels.bearings_deg))
-    return OdometryState(pose, Velocity(ahead / dt, turn / dt, aside / dt), cov, ticks)
-
-
-def _grown_cov(
-    config: OdometryConfig, cov: np.ndarray, yaw: float, moved: Velocity, is_omni: bool
-) -> np.ndarray:
-    """Return the covariance after a motion; only an omnidirectional base may slide sideways."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    dx, dy = moved.speed * c - moved.side_speed * s, moved.speed * s + moved.side_speed * c
-    F = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
-    G = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    travel = math.hypot(moved.speed, moved.side_speed)
-    var_travel = config.distance_sd**2 * travel
-    var_turn = config.yaw_sd_per_m**2 * travel + config.yaw_sd_per_rad**2 * abs(moved.yaw_rate)
-    Q = np.diag([var_travel, var_travel if is_omni else 0.0, var_turn])
-    return np.asarray(F @ cov @ F.T + G @ Q @ G.T)
+    M = motion_matrix(wheels)
+    drift = drift_step(wheels, state.drift, M, travels, middle, dt)
+    cov = pose_cov(wheels, drift, M, pose.yaw)
+    return OdometryState(pose, Velocity(ahead / dt, turn / dt, aside / dt), cov, ticks, drift)
