@@ -7,7 +7,12 @@ import typing
 from collections.abc import Iterator
 from dataclasses import MISSING, Field
 
-from floor_perception.config import CameraNodeConfig, FloorDetectorConfig, FloorNodeConfig
+from floor_perception.config import (
+    CameraNodeConfig,
+    FloorDetectorConfig,
+    FloorNodeConfig,
+    MarkerNodeConfig,
+)
 from floornav_common.config import range_text
 from floornav_common.config_files import parameter_fields
 from floornav_common.frames import FrameConfig
@@ -29,6 +34,9 @@ NODES: dict[str, tuple[type, ...]] = {
     ),
     "floor_perception floor_detector": (
         CameraNodeConfig, FloorNodeConfig, FloorDetectorConfig, FrameConfig, ProcessConfig,
+    ),
+    "floor_perception marker_detector": (
+        CameraNodeConfig, MarkerNodeConfig, FrameConfig, ProcessConfig,
     ),
     "sim_bridge sim_bridge": (SimBridgeConfig, FrameConfig, ProcessConfig),
     "sim_bridge route_follower": (RouteConfig, ProcessConfig),

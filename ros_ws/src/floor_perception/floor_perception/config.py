@@ -149,3 +149,16 @@ class FloorNodeConfig:
 
     def __post_init__(self) -> None:
         validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MarkerNodeConfig:
+    """The node `marker_detector`."""
+
+    colors: str = param(
+        "soccer", "YAML of the classes of color, or the name of one of the package.",
+        read_only=True,
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        validate(self)
