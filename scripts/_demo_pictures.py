@@ -15,7 +15,7 @@ from sim_bridge.drawing import draw_panes
 from sim_bridge.simulation import Simulation
 from sim_bridge.solids import Solid
 
-_FIRST_STEPS = 30
+_FIRST_STEPS, _MARGIN_M = 30, 0.35
 _TRUE, _EST, _ODO = "#1a7f4b", "#e0641a", "#8a5cc2"
 
 
@@ -26,12 +26,13 @@ def write_pictures(out: Path, heard: Heard, start: SE2, solids: list[Solid], hei
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(figsize=(12.0, 9.4), layout="constrained")
+    figure, axes = plt.subplots(figsize=_size_of(solids), layout="constrained")
     _draw_map(axes, heard, start)
     _draw_outline(axes, solids, height)
     _draw_tracks(axes, heard, start)
     axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    _fit(axes, solids)
+    low, high = _extent(solids)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     for side in axes.spines.values():
         side.set_visible(False)
     figure.legend(loc="outside upper center", ncols=7, frameon=False, fontsize=12)
@@ -123,8 +124,16 @@ def _draw_tracks(axes: Any, heard: Heard, start: SE2) -> None:
     axes.plot(start.x, start.y, "o", ms=9, color=_TRUE, mec="white", label="start")
 
 
-def _fit(axes: Any, solids: list[Solid]) -> None:
+def _extent(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower and upper corner of the map's picture, m."""
     corners = np.vstack([solid.outline() for solid in solids])
-    (x0, y0), (x1, y1) = corners.min(axis=0) - 0.35, corners.max(axis=0) + 0.35
-    axes.set_xlim(x0, x1)
-    axes.set_ylim(y0, y1)
+    return corners.min(axis=0) - _MARGIN_M, corners.max(axis=0) + _MARGIN_M
+
+
+def _size_of(solids: list[Solid]) -> tuple[float, float]:
+    """Return the size of a figure that a map in equal scales fills, inches."""
+    low, high = _extent(solids)
+    width, height = high - low
+    share = float(height / width)
+    wide = min(12.0, 10.0 / share)
+    return max(wide, 7.0), max(wide * share, 3.0) + 0.9  # axis labels and legend

@@ -87,9 +87,15 @@ def write_tum(path: Path, track: Track) -> None:
 
 
 def write_report(
-    out: Path, title: str, values: dict[str, Any], problem: str, images: list[Picture]
+    out: Path,
+    title: str,
+    values: dict[str, Any],
+    problem: str,
+    images: list[Picture],
+    *,
+    has_glass: bool,
 ) -> None:
-    """Write `report.html`: picture and figures on the first screen."""
+    """Write `report.html`: picture and figures on the first screen; `has_glass`: of the world."""
     ate = values["ate_m"]["rms"] if values["ate_m"] else None
     state = ("result", problem.splitlines()[0], "bad") if problem else ("result", "done", "good")
     shown = Figures(
@@ -106,8 +112,9 @@ def write_report(
     )
     caption = (
         "Black: occupied cells; white: free; gray: unknown; blue: true outline at the height of "
-        "the laser, thick and light: glass. The robot steers by the mapper's pose. Visible "
-        "surface: what exact beams from the true way reach, but glass; in the map is what has an "
+        f"the laser{', thick and light: glass' if has_glass else ''}. A script drives the route by "
+        "the mapper's pose; it does not look at the scan. Visible surface: what exact beams from "
+        f"the true way reach{', but glass' if has_glass else ''}; in the map is what has an "
         f"occupied cell within {FOUND_WITHIN_M:g} m."
     )
     rows = [[key, _flat(value)] for key, value in values.items() if key not in ("packages",)]

@@ -108,7 +108,8 @@ class Demo:
         images = write_first_images(self._out, simulation)
         simulation.close()
         title = f"floornav demo: {self._world.description or self._world.name}"
-        write_report(self._out, title, values, self.problem, images)
+        has_glass = any(solid.glass is not None for solid in solids)
+        write_report(self._out, title, values, self.problem, images, has_glass=has_glass)
 
     def _drive(self, children: Processes, watch: DemoWatch, spin: Callable[[], None]) -> None:
         # The simulator comes last, and its time begins when all others listen.
@@ -151,10 +152,12 @@ class Demo:
                 refuse_other_clock(watch, 1)
                 time_moves.look(now, heard.sim_s)
                 poses_come.look(now, len(heard.estimate))
-                bar.update(self._percent(), _note(heard))
+                bar.update(min(self._percent(), 99.0), _note(heard))
                 if heard.has_touched or heard.sim_s >= (total or _LONGEST_S):
                     break
-            bar.update(self._percent(), _note(heard), is_last=True)
+            is_through = children.exit_code("route_follower") == 0
+            percent = 100.0 if is_through else self._percent()
+            bar.update(percent, _note(heard), is_last=True)
         children.check(may_end=("route_follower",))
         if total is None and heard.sim_s >= _LONGEST_S:
             raise ChildDiedError(f"the route was not driven in {_LONGEST_S:.0f} simulated seconds")

@@ -25,6 +25,7 @@ from _tour_watch import TourWatch
 from floornav_common.reporting import Progress, say
 from floornav_common.ros.main import make_executor
 from sim_bridge.robot_model import load_robot
+from sim_bridge.solids import solids_of
 from sim_bridge.world import World
 from sim_bridge.world_picture import without_cameras
 
@@ -106,7 +107,8 @@ class Tour:
         self._write_world()
         images = write_images(self._out, self._heard.robots)
         title = f"floornav demo: {self._world.description or self._world.name}"
-        write_page(self._out, title, values, self.problem, images)
+        has_glass = any(solid.glass is not None for solid in solids_of(self._world))
+        write_page(self._out, title, values, self.problem, images, has_glass=has_glass)
 
     def _write_world(self) -> None:
         """Draw the world in the midst of such a drive (driven again, without ROS and cameras)."""
@@ -139,7 +141,8 @@ class Tour:
                 elif now - moved > _STALL_S:
                     raise ChildDiedError(f"time stood still for {_STALL_S:.0f} s; see logs/")
                 self._wall_s = now - started
-                bar.update(100.0 * min(watch.sim_s / total, 1.0), f"{watch.sim_s:5.1f} s simulated")
+                share = min(watch.sim_s / total, 0.99)
+                bar.update(100.0 * share, f"{watch.sim_s:5.1f} s simulated")
             bar.update(100.0, f"{watch.sim_s:5.1f} s simulated", is_last=True)
 
     def _commands(self) -> dict[str, list[str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import typing
 from collections.abc import Iterator
 from dataclasses import MISSING, Field
@@ -18,6 +19,7 @@ from floornav_common.config_files import parameter_fields
 from floornav_common.frames import FrameConfig
 from floornav_common.ros.node import ProcessConfig
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
+from sim_bridge.camera_config import OmniCameraConfig, StereoConfig
 from sim_bridge.config import (
     DriveConfig,
     LaserConfig,
@@ -26,6 +28,9 @@ from sim_bridge.config import (
     SimBridgeConfig,
     WheelConfig,
 )
+from sim_bridge.robot_model import RobotModel, load_robot, robot_names
+from sim_bridge.sonar_config import SonarConfig
+from sim_bridge.world import RobotPlacement
 from sjmc_planner.config import LocalPlannerConfig
 
 NODES: dict[str, tuple[type, ...]] = {
@@ -46,6 +51,7 @@ NODES: dict[str, tuple[type, ...]] = {
 
 ROBOT_FILE: dict[str, type] = {
     "drive": DriveConfig, "wheels": WheelConfig, "odometry": OdometryConfig, "laser": LaserConfig,
+    "sonar": SonarConfig, "omni": OmniCameraConfig, "stereo": StereoConfig,
 }  # fmt: skip
 """The groups of a robot file; a world's `overrides` changes single keys of them."""
 
@@ -67,6 +73,14 @@ Every node also takes `use_sim_time` and, for each of its topics, the standard q
 overrides `qos_overrides.<topic>.<publisher or subscription>.<policy>`, where the policy is
 `history`, `depth`, `reliability` or `durability`.
 """
+ROBOT_KEYS = """\
+| key | meaning |
+| --- | --- |
+| `urdf` | File beside it with shapes and the links that sensors sit on. |
+| `footprint_m` | Corners of the outline on the floor, in `base_link`, in order. |
+| `height_m` | Height of the whole robot. |
+| `drive`, `wheels`, `odometry`, `laser`, `sonar`, `omni`, `stereo` | Groups, below. |
+"""
 TABLE_HEAD = (
     "| name | default | unit | range | | meaning |\n| --- | --- | --- | --- | --- | --- |\n"
 )
@@ -81,10 +95,43 @@ def parameter_page() -> str:
     parts.append("## Robot files\n")
     parts.append(
         "Not parameters but keys of `ros_ws/src/sim_bridge/sim_bridge/robots/*.yaml`, and of"
-        " `overrides` in a world file.\n"
+        " `overrides` in a world file: `overrides: {laser: {num_beams: 1081}}`. A group that the"
+        " file does not name is absent (`laser`, `sonar`, `omni`, `stereo`) or has its defaults"
+        " (`drive`, `wheels`, `odometry`); `laser: {}` is one of defaults, `laser: null` takes it"
+        " away.\n"
     )
+    parts.append(ROBOT_KEYS)
+    parts.append("### Robots\n\n" + _robots())
     parts.extend(f"{_title(c)}\n\n{_table(c, group)}" for group, c in ROBOT_FILE.items())
     return "\n".join(parts)
+
+
+def _robots() -> str:
+    rows = []
+    for name in robot_names():
+        model = load_robot(RobotPlacement(model=name, position_m=(0.0, 0.0)))
+        c = model.config
+        drive = "omnidirectional" if c.drive.is_omnidirectional else "differential"
+        speed = f"{c.drive.max_speed_m_s:g} m/s, {c.drive.max_yaw_rate_rad_s:g} rad/s"
+        rows.append(f"| `{name}` | {drive} | {speed} | {_sensors(model)} |\n")
+    return "| model | drive | fastest | sensors |\n| --- | --- | --- | --- |\n" + "".join(rows)
+
+
+def _sensors(model: RobotModel) -> str:
+    c, found = model.config, []
+    if c.laser is not None:
+        opening = math.degrees(c.laser.fov_rad)
+        found.append(
+            f"laser: {c.laser.num_beams} beams over {opening:.0f} deg to {c.laser.range_max_m:g} m"
+        )
+    if c.sonar is not None:
+        found.append(f"{c.sonar.count} sonars to {c.sonar.range_max_m:g} m")
+    if c.omni is not None:
+        found.append(f"mirror camera {c.omni.width_px} x {c.omni.height_px}")
+    if c.stereo is not None:
+        pairs = " and ".join(c.stereo.pairs)
+        found.append(f"stereo {pairs}, {c.stereo.width_px} x {c.stereo.height_px}")
+    return "; ".join(found) or "none"
 
 
 def documented_names(node: str) -> set[str]:

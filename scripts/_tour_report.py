@@ -68,10 +68,17 @@ def write_images(out: Path, robots: Mapping[str, RobotHeard]) -> list[Picture]:
 
 
 def write_page(
-    out: Path, title: str, values: dict[str, Any], problem: str, images: list[Picture]
+    out: Path,
+    title: str,
+    values: dict[str, Any],
+    problem: str,
+    images: list[Picture],
+    *,
+    has_glass: bool,
 ) -> None:
-    """Write `report.html`."""
-    state = ("result", problem.splitlines()[0], "bad") if problem else ("result", "done", "good")
+    """Write `report.html`; `has_glass` tells of the world."""
+    bad = problem.splitlines()[0] if problem else touched_text(values["robots"])
+    state = ("result", bad, "bad") if bad else ("result", "done, nothing touched", "good")
     shown = Figures(
         [
             state,
@@ -83,10 +90,18 @@ def write_page(
     )
     plan = (
         "From above: lines are the ways of robots and people (from ground truth), red the last "
-        "scan, violet arcs the last echoes; blue-green walls are glass."
+        f"scan, violet arcs the last echoes{'; blue-green walls are glass' if has_glass else ''}. "
+        "No planner steers: a simple script turns robots off what their scan shows, or drives a "
+        "route or a circle, so they may touch things and people."
     )
     rows = [
-        [name or "(unnamed)", row["model"], f"{row['path_m']:.2f}", row["touched"], row["messages"]]
+        [
+            name or "(unnamed)",
+            row["model"],
+            f"{row['path_m']:.2f}",
+            "yes" if row["touched"] else "no",
+            ", ".join(f"{num} {topic}" for topic, num in row["messages"].items()) or "none",
+        ]
         for name, row in values["robots"].items()
     ]
     header = ["robot", "model", "driven [m]", "touched", "messages"]
@@ -100,6 +115,14 @@ def write_page(
         Section("Robots", [Table(header, rows)]),
     ]
     write_html(out, title, sections, "Simulated by sim_bridge, over DDS, in simulated time")
+
+
+def touched_text(robots: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return which share of the robots touched something, "" if none did."""
+    num = sum(bool(row["touched"]) for row in robots.values())
+    if len(robots) == 1 and num:
+        return "the robot touched something"
+    return f"{num} of {len(robots)} robots touched something" if num else ""
 
 
 def _draw_people(axes: Any, heard: TourWatch, body: PeopleConfig) -> None:

@@ -10,7 +10,6 @@ driven by a script, and the page shows the world from above and what each sensor
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -29,7 +28,9 @@ from floornav_common.reporting import (
     say,
     summary,
 )
+from sim_bridge.display import NO_DISPLAY, has_display
 from sim_bridge.physics import PybulletMissingError, require_pybullet
+from sim_bridge.placement import oddities
 from sim_bridge.robot_model import load_robot
 from sim_bridge.schema import WorldError, parsed_parameters
 from sim_bridge.world import World, load_world, world_names
@@ -40,6 +41,7 @@ _KEYS = (
     "odometry_final_yaw_error_deg", "map_error_m", "map_error_p95_m", "map_found_share",
     "occupied_cells", "touched", "bag",
 )  # fmt: skip
+_MAX_FACTOR = 1000.0  # what sim_bridge takes
 _TOUR_KEYS = ("world", "sim_s", "rtf", "robots", "people", "bag")
 
 
@@ -49,12 +51,15 @@ def main() -> int:
     try:
         world = load_world(args.world, parsed_parameters(args.set))
         require_pybullet()
+        _require_drivable(world)
     except WorldError as error:
         raise UserError(str(error)) from error
     except PybulletMissingError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     has_window = _has_window(args)
+    for oddity in oddities(world):
+        say(f"look: {oddity}", is_quiet=args.quiet)
     from _demo_domain import join_domain
 
     if obstacle := join_domain():
@@ -75,6 +80,19 @@ def main() -> int:
                 demo.write(filled)
     _print_result(out, filled, demo.problem, is_quiet=args.quiet)
     return 1 if demo.problem else 0
+
+
+def _require_drivable(world: World) -> None:
+    """Check what would otherwise end the nodes later.
+
+    Raises:
+        WorldError: The world has no robots, or cannot be simulated.
+    """
+    if not world.robots:
+        raise WorldError(f"{world.name}: no robots, so there is nothing to drive")
+    from sim_bridge.simulation import check_world
+
+    check_world(world)
 
 
 def _is_mapped(world: World) -> bool:
@@ -100,9 +118,14 @@ def _print_result(out: Path, values: dict[str, Any], problem: str, *, is_quiet: 
     if problem:
         print(f"demo failed: {problem}", file=sys.stderr)
     if "ate_m" not in values:
-        people = f", {values['people']} people" if values["people"] else ""
-        text = f"{values['sim_s']:.1f} s simulated: {len(values['robots'])} robots{people}"
-        say(text, is_quiet=is_quiet)
+        from _tour_report import touched_text
+
+        num, people = len(values["robots"]), ""
+        if values["people"]:
+            people = f", {values['people']} {'person' if values['people'] == 1 else 'people'}"
+        text = f"{values['sim_s']:.1f} s simulated: {num} robot{'s' if num > 1 else ''}{people}"
+        touched = touched_text(values["robots"])
+        say(f"{text}; {touched}" if touched else text, is_quiet=is_quiet)
     elif values["ate_m"]["rms"] is not None:
         say(
             f"{values['path_m']:.1f} m driven in {values['sim_s']:.1f} s: trajectory error "
@@ -121,10 +144,9 @@ def _print_result(out: Path, values: dict[str, Any], problem: str, *, is_quiet: 
 
 
 def _has_window(args: argparse.Namespace) -> bool:
-    has_display = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-    if args.view and not has_display:
-        raise UserError("--view needs a display, and there is none: use --headless")
-    return has_display and not args.headless
+    if args.view and not has_display():
+        raise UserError(f"--view {NO_DISPLAY}: use --headless")
+    return has_display() and not args.headless
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -139,16 +161,30 @@ def _parser() -> argparse.ArgumentParser:
     text = "stop after so many simulated seconds (default: at the end of the route, else 20)"
     parser.add_argument("--duration", type=_positive, metavar="S", default=None, help=text)
     text = "simulated seconds in a second (default: 3; 0 = as fast as it goes)"
-    parser.add_argument("--rtf", type=float, default=3.0, metavar="F", help=text)
+    parser.add_argument("--rtf", type=_factor, default=3.0, metavar="F", help=text)
     add_common_options(parser)
     return parser
 
 
 def _positive(text: str) -> float:
-    value = float(text)
+    value = _number(text)
     if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be > 0, got {text}")
+        raise argparse.ArgumentTypeError(f"must be a number > 0, got {text}")
     return value
+
+
+def _factor(text: str) -> float:
+    value = _number(text)
+    if not 0.0 <= value <= _MAX_FACTOR:
+        raise argparse.ArgumentTypeError(f"must be a number in 0..{_MAX_FACTOR:g}, got {text}")
+    return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
 
 
 if __name__ == "__main__":

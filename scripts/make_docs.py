@@ -1,7 +1,7 @@
 """Make again what is generated under docs/: `make_docs.py [PART ...]`.
 
-Parts are parameters, recordings, demo and worlds; without a name all are made. Recordings that
-are not there are passed over and keep their picture and their row.
+Parts are parameters, world-files, recordings, demo and worlds; without a name all are made.
+Recordings that are not there are passed over and keep their picture and their row.
 """
 
 from __future__ import annotations
@@ -18,13 +18,16 @@ if __name__ == "__main__":
 from _docs_parameters import parameter_page
 from _docs_pictures import make_demo
 from _docs_recordings import make_recordings
+from _docs_world_files import PAGE as FILES_PAGE
+from _docs_world_files import world_files_page
 from _docs_worlds import PAGE, make_worlds, pictures_amiss, worlds_page
 from floornav_common.reporting import UserError, run_command, say, write_atomic
 
 DOCS = ROOT / "docs"
 PARAMETERS = DOCS / "parameters.md"
 DATA = ROOT.parent / "shared" / "data"
-PARTS = ("parameters", "recordings", "demo", "worlds")
+WORLD_FILES = DOCS / FILES_PAGE
+PARTS = ("parameters", "world-files", "recordings", "demo", "worlds")
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -39,6 +42,9 @@ def main(argv: list[str] | None = None) -> int:
     if "parameters" in parts:
         write_atomic(PARAMETERS, parameter_page())
         say(f"written: {PARAMETERS.relative_to(ROOT)}")
+    if "world-files" in parts:
+        write_atomic(WORLD_FILES, world_files_page())
+        say(f"written: {WORLD_FILES.relative_to(ROOT)}")
     if "recordings" in parts:
         make_recordings(DOCS, args.data)
     if "demo" in parts:
@@ -53,6 +59,7 @@ def check(parts: list[str]) -> int:
     amiss = []
     for part, page, make in (
         ("parameters", PARAMETERS, parameter_page),
+        ("world-files", WORLD_FILES, world_files_page),
         ("worlds", DOCS / PAGE, worlds_page),
     ):
         there = page.read_text(encoding="utf-8") if page.exists() else ""
@@ -73,7 +80,7 @@ def make_parser() -> argparse.ArgumentParser:
     add(
         "--check",
         action="store_true",
-        help="exit 1 if docs/parameters.md or docs/worlds.md is out of date",
+        help="exit 1 if a page made from code is out of date",
     )
     add("--data", type=Path, default=DATA, metavar="DIR",
         help="folder of the recordings (default: ../shared/data beside the checkout)")  # fmt: skip

@@ -112,3 +112,34 @@ def test_an_unknown_figure_of_a_world_is_one_line() -> None:
     code, text = _run("sjmc_static", "--set", "distance=2")
     assert code == 2
     assert text.count("\n") == 1 and "start_distance_m" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--rtf", "-1"), "must be a number in 0..1000, got -1"),
+        (("--rtf", "fast"), "must be a number in 0..1000, got fast"),
+        (("--duration", "nan"), "must be a number > 0, got nan"),
+    ],
+)
+def test_a_figure_out_of_range_is_refused_at_once(words: tuple[str, ...], said: str) -> None:
+    code, text = _run(*words)
+    assert code == 2 and said in text.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("place", "said"),
+    [
+        ("robots: [{model: segway_rmp50, position_m: [3, 0]}]", "is inside 'wall'"),
+        ("robots: []", "no robots"),
+    ],
+)
+def test_a_world_that_cannot_be_driven_is_one_line_before_anything_starts(
+    tmp_path: Path, place: str, said: str
+) -> None:
+    world, out = tmp_path / "mine.yaml", tmp_path / "out"
+    world.write_text(f"name: mine\nwalls: [{{from_m: [0, 0], to_m: [6, 0]}}]\n{place}\n")
+    code, text = _run(str(world), "--out", str(out))
+    assert code == 2
+    assert text.count("\n") == 1 and said in text
+    assert not out.exists()

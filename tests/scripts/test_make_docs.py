@@ -29,6 +29,22 @@ def test_the_parameter_reference_is_up_to_date():
     assert answer.returncode == 0, answer.stderr
 
 
+def test_every_example_of_a_world_file_can_be_read_and_names_its_key():
+    import yaml
+
+    from _docs_world_files import SECTIONS, examples
+    from _docs_world_texts import EXAMPLES
+    from sim_bridge.schema import build, filled_in
+    from sim_bridge.world import World
+
+    assert len(examples()) == len(EXAMPLES) > 15 and set(EXAMPLES) <= set(SECTIONS)
+    for text in examples():
+        data = {"name": "example", **yaml.safe_load(text)}
+        assert isinstance(build(World, filled_in(data, {}, "example"), "example"), World)
+    for title, text in EXAMPLES.items():
+        assert title == "Top level" or all(f"{key}:" in text for key in title.split(", "))
+
+
 def test_the_reference_knows_every_executable_that_is_a_node():
     from _docs_parameters import NODES
     from floornav_common.compose import nodes_installed

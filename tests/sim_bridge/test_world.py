@@ -35,7 +35,7 @@ def test_the_packaged_worlds_load() -> None:
         ("name: w\ncolumns: [{name: c, center_m: [0, 0], radius_m: 0}]\n", "radius_m"),
         (
             "name: w\nrobots: [{model: m, position_m: [0, 0]}, {model: m, position_m: [9, 0]}]\n",
-            "two robots",
+            "several robots need names",
         ),
         ("- 1\n", "expected a mapping"),
         ("name: [\n", "not YAML"),
