@@ -115,6 +115,25 @@ def test_in_lockstep_time_goes_on_only_when_asked(sim, peer) -> None:
     assert peer.trigger("sim_bridge/step", process).message == "at 0.20 s"
 
 
+def test_the_clock_keeps_a_period_that_is_no_whole_number_of_steps(sim, peer) -> None:
+    clock = peer.collect(Clock, "/clock", CLOCK_QOS)
+    sim("clock_period_s:=0.033", "real_time_factor:=1.0")
+    peer.spin_until(lambda: len(clock) > 30)
+    gaps = [
+        stamp_to_ns(b.clock) - stamp_to_ns(a.clock) for a, b in zip(clock, clock[1:], strict=False)
+    ]
+    # Best effort: a message may be lost, but not most.
+    assert sorted(gaps)[len(gaps) // 2] in (30_000_000, 40_000_000)
+    assert min(gaps) >= 30_000_000
+
+
+@pytest.mark.parametrize("parameter", ["step_s:=0.015", "step_s:=60.0"])
+def test_a_step_that_would_be_rounded_or_block_is_refused(start, parameter: str) -> None:
+    process = start(*_node(parameter))
+    assert process.wait_for_exit(START_S) == 2
+    assert "step_s" in process.text and "Traceback" not in process.text
+
+
 def test_an_unknown_world_is_one_line_and_exit_code_2(start) -> None:
     process = start(*_node("world:=nowhere"))
     assert process.wait_for_exit(START_S) == 2

@@ -2,15 +2,18 @@
 
 import hashlib
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from floornav_common.se2 import SE2
 from sim_bridge.drive import Velocity
+from sim_bridge.people.schema import WalkerPlan
+from sim_bridge.ranging import is_due, sensor_stream
 from sim_bridge.schema import WorldError
-from sim_bridge.simulation import Simulation
-from sim_bridge.world import RobotPlacement, World, load_world
+from sim_bridge.simulation import STEP_NS, Simulation
+from sim_bridge.world import RobotPlacement, Wall, World, load_world
 
 from .conftest import PERFECT, box_room
 
@@ -146,3 +149,71 @@ def test_a_robot_inside_a_wall_is_refused() -> None:
 def test_every_world_of_the_package_starts(simulate) -> None:
     simulation = simulate(load_world("furnished_floor"))
     assert _scan(_drive(simulation, 10)).is_hit.mean() > 0.9
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"people": (WalkerPlan(name="p", path_m=((6.05, 2.0),)),)}, "person 'p' .* in 'wall'"),
+        ({"people": (WalkerPlan(name="p", path_m=((2.0, 1.0),)),)}, "person 'p' .* in robot"),
+        ({"people": (WalkerPlan(name="p", path_m=((2.35, 1.0),)),)}, "person 'p' .* in robot"),
+        (
+            {"robots": (RobotPlacement(model="segway_rmp50", position_m=(200.0, 0.0)),)},
+            "off the floor",
+        ),
+    ],
+)
+def test_nobody_starts_inside_anything_or_off_the_floor(changes: dict, words: str) -> None:
+    with pytest.raises(WorldError, match=words):
+        Simulation(replace(box_room(), **changes))
+
+
+def test_forty_robots_run_and_none_sees_itself_or_passes_a_wall(simulate) -> None:
+    blind = {**PERFECT, "sonar": None, "laser": None}
+    seeing = {**PERFECT, "sonar": None}
+    wall = Wall(from_m=(2.0, -45.0), to_m=(2.0, 45.0))
+    robots = tuple(
+        RobotPlacement(
+            model="segway_rmp50", name=f"r{k}", position_m=(1.2, 2.0 * k - 40.0),
+            overrides=seeing if k in (0, 39) else blind,
+        )
+        for k in range(40)
+    )  # fmt: skip
+    simulation = simulate(World(name="many", walls=(wall,), robots=robots))
+    commands = dict.fromkeys(simulation.models, Velocity(0.8, 0.0))
+    for _ in range(160):
+        seen = simulation.step(commands).robots
+    assert all(robot.ground_truth.pose.x < 1.76 for robot in seen.values())
+    for name in ("r0", "r39"):
+        ahead = seen[name].scan.ranges[len(seen[name].scan.ranges) // 2]
+        x = seen[name].ground_truth.pose.x + LASER_X
+        assert ahead == pytest.approx(1.94 - x, abs=1e-3)
+
+
+def test_no_two_robots_or_sensors_share_their_noise() -> None:
+    draws = {
+        (robot, sensor): tuple(sensor_stream(7, robot, sensor).standard_normal(4))
+        for robot in ("a", "b", "")
+        for sensor in ("laser", "laser glass", "sonar")
+    }
+    assert len(set(draws.values())) == len(draws)
+
+
+def test_laser_noise_of_two_robots_in_the_same_place_is_independent(simulate) -> None:
+    def ranges(name: str) -> np.ndarray:
+        robot = replace(box_room().robots[0], name=name)
+        simulation = simulate(replace(box_room(), robots=(robot,)), seed=3)
+        return [simulation.step({}).robots[name].scan for _ in range(10)][-1].ranges
+
+    a, b = ranges("a"), ranges("b")
+    off = (a - b)[np.isfinite(a) & np.isfinite(b)]
+    assert len(off) > 400
+    middle = np.percentile(np.abs(off), 50)  # edges left out
+    assert middle == pytest.approx(0.6745 * 0.01 * math.sqrt(2.0), rel=0.2)
+
+
+@pytest.mark.parametrize(("period_s", "gaps"), [(0.02, {2}), (0.033, {3, 4}), (0.01, {1})])
+def test_what_is_due_comes_at_its_rate_whatever_the_period(period_s: float, gaps: set) -> None:
+    due = [k for k in range(1, 1000) if is_due(k * STEP_NS, period_s, STEP_NS)]
+    assert set(np.diff(due)) == gaps
+    assert len(due) == pytest.approx(9.99 / period_s, abs=1.0)

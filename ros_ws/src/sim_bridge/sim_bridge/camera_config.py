@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera
 from floornav_common.config import param, validate
+from sim_bridge.config import STEP_S
 
 REFINE_DOC = (
     "Light between neighboring pixels (1 = a white floor) above which both take all their rays, "
@@ -42,7 +43,7 @@ class OmniCameraConfig:
     frame: str = param("omni_camera_optical_frame", "Link of the URDF at the mirror's viewpoint.")
     width_px: int = param(256, "Columns.", unit="px", ge=16, le=4096)
     height_px: int = param(220, "Rows.", unit="px", ge=16, le=4096)
-    period_s: float = param(0.1, "Time between images.", unit="s", gt=0.0)
+    period_s: float = param(0.1, "Time between images.", unit="s", ge=STEP_S)
     samples: int = param(2, "Rays a pixel along each axis.", ge=1, le=8)
     refine_above: float = param(0.03, REFINE_DOC, ge=-1.0, le=1.0)
     calibrated_width_px: int = param(256, "Columns that the figures hold for.", unit="px", ge=1)
@@ -85,7 +86,7 @@ class StereoConfig:
     width_px: int = param(320, "Columns.", unit="px", ge=16, le=4096)
     height_px: int = param(240, "Rows.", unit="px", ge=16, le=4096)
     fov_rad: float = param(1.2, "Angle between the first and last column.", gt=0.0, lt=3.0)
-    period_s: float = param(0.1, "Time between images.", unit="s", gt=0.0)
+    period_s: float = param(0.1, "Time between images.", unit="s", ge=STEP_S)
     samples: int = param(1, "Rays a pixel along each axis.", ge=1, le=8)
     refine_above: float = param(0.03, REFINE_DOC, ge=-1.0, le=1.0)
     image: ImageConfig = ImageConfig()

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from floornav_common.config import param, validate
+
+STEP_NS = 10_000_000
+STEP_S = STEP_NS * 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +32,12 @@ class SimBridgeConfig:
     )
     paused: bool = param(False, "Time stands still; `~/step` still goes on.")
     lockstep: bool = param(False, "Go on only when `~/step` is called.")
-    step_s: float = param(0.1, "How far `~/step` goes.", unit="s", ge=0.01, le=60.0)
-    clock_period_s: float = param(0.02, "Simulated time between `/clock` messages.", unit="s", gt=0)
+    step_s: float = param(
+        0.1, "How far `~/step` goes, a multiple of 0.01.", unit="s", ge=STEP_S, le=1.0
+    )
+    clock_period_s: float = param(
+        0.02, "Simulated time between `/clock` messages.", unit="s", ge=STEP_S
+    )
     start_nodes: tuple[str, ...] = param(
         (), "Nodes that time waits for before it starts, such as `grid_mapper`; none = no waiting.",
         read_only=True,
@@ -60,6 +69,8 @@ class SimBridgeConfig:
 
     def __post_init__(self) -> None:
         validate(self)
+        if abs(self.step_s / STEP_S - round(self.step_s / STEP_S)) > 1e-6:
+            raise ValueError(f"step_s must be a multiple of {STEP_S:g} s, got {self.step_s:g}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,8 +99,8 @@ class DriveConfig:
     """Limits of a drive between `cmd_vel` and the wheels."""
 
     is_omnidirectional: bool = param(False, "Moves sideways too; needs `wheels.bearings_deg`.")
-    max_speed_m_s: float = param(1.667, "Fastest travel.", unit="m/s", gt=0.0)
-    max_yaw_rate_rad_s: float = param(1.5, "Fastest turn.", unit="rad/s", gt=0.0)
+    max_speed_m_s: float = param(1.667, "Fastest travel.", unit="m/s", gt=0.0, le=20.0)
+    max_yaw_rate_rad_s: float = param(1.5, "Fastest turn.", unit="rad/s", gt=0.0, le=50.0)
     max_accel_m_s2: float = param(0.8, "Acceleration and braking limit.", unit="m/s^2", gt=0.0)
     max_yaw_accel_rad_s2: float = param(2.5, "Turning limit.", unit="rad/s^2", gt=0.0)
     command_delay_s: float = param(0.05, "Time until a command acts.", unit="s", ge=0.0)
@@ -98,6 +109,11 @@ class DriveConfig:
 
     def __post_init__(self) -> None:
         validate(self)
+        if self.command_delay_s >= self.command_timeout_s:
+            raise ValueError(
+                f"command_delay_s must be < command_timeout_s = {self.command_timeout_s:g} or no "
+                f"command ever acts, got {self.command_delay_s:g}"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,13 +142,20 @@ class WheelConfig:
         validate(self)
         if len(self.bearings_deg) in (1, 2):
             raise ValueError(f"bearings_deg must hold 0 or >= 3 wheels, got {self.bearings_deg}")
+        if self.bearings_deg:
+            bearings = np.radians(self.bearings_deg)
+            ways = np.column_stack((np.sin(bearings), np.cos(bearings), np.ones(len(bearings))))
+            if np.linalg.matrix_rank(ways, tol=1e-3) < 3:
+                raise ValueError(
+                    f"bearings_deg must let the base move any way, got {self.bearings_deg}"
+                )
 
 
 @dataclass(frozen=True, kw_only=True)
 class OdometryConfig:
     """Odometry messages. The pose's covariance follows from the wheels (`sim_bridge.drift`)."""
 
-    period_s: float = param(0.02, "Time between messages.", unit="s", gt=0.0)
+    period_s: float = param(0.02, "Time between messages.", unit="s", ge=STEP_S)
     speed_sd: float = param(0.02, "Deviation of the speeds along x and y.", unit="m/s", ge=0.0)
     yaw_rate_sd: float = param(0.03, "Deviation of the yaw rate.", unit="rad/s", ge=0.0)
 
@@ -150,7 +173,7 @@ class LaserConfig:
         4.71238898038469, "Angle of first to last beam; a full turn leaves the repeated one out.",
         unit="rad", gt=0.0, le=6.283186,
     )  # fmt: skip
-    period_s: float = param(0.1, "Time between scans.", unit="s", gt=0.0)
+    period_s: float = param(0.1, "Time between scans.", unit="s", ge=STEP_S)
     range_min_m: float = param(0.05, "Nearer echoes are -inf.", unit="m", ge=0.0)
     range_max_m: float = param(10.0, "Farther echoes are +inf.", unit="m", gt=0.0)
     noise_sd_m: float = param(0.01, "Deviation of a range.", unit="m", ge=0.0)

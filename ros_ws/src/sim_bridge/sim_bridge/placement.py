@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sim_bridge.bodies import FLOOR
+from sim_bridge.people.schema import WalkerPlan
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.schema import WorldError
 from sim_bridge.solids import Solid
@@ -14,6 +16,8 @@ from sim_bridge.world import World
 
 _PER_EDGE = 20
 _RINGS = 12
+_PERSON_HEIGHT = 1.7
+_STEPPED_OVER = 0.1
 
 
 def require_free(
@@ -29,6 +33,8 @@ def require_free(
         model, start = models[name], starts[name]
         footprint = start @ _filled(model)
         where = f"robot {_called(name)} at ({start.x:g}, {start.y:g})"
+        if (FLOOR.signed_distance(footprint) > 0.0).any():
+            raise WorldError(f"{where} is off the floor, {FLOOR.size[0]:g} x {FLOOR.size[1]:g} m")
         for solid in solids:
             reaches = solid.bottom < model.config.height_m
             if reaches and (solid.signed_distance(footprint) <= 0.0).any():
@@ -50,6 +56,40 @@ def oddities(world: World) -> list[str]:
             x, y = robot.position_m
             found.append(f"robot {_called(robot.name)} at ({x:g}, {y:g}) is outside all walls")
     return found
+
+
+def require_people_free(
+    plans: Sequence[WalkerPlan],
+    radius: float,
+    T_world_file: SE2,
+    models: Mapping[str, RobotModel],
+    starts: Mapping[str, SE2],
+    solids: Sequence[Solid],
+) -> None:
+    """Check that everyone with a plan starts in free space.
+
+    Args:
+        plans: The people.
+        radius: Of a body, m.
+        T_world_file: How the world was moved; plans are in the coordinates of its file.
+        models: Robots by name.
+        starts: Their poses.
+        solids: The scenery, as it was moved.
+
+    Raises:
+        WorldError: Somebody starts inside a solid or a robot; both are named.
+    """
+    for plan in plans:
+        point = T_world_file @ np.array([plan.path_m[0]])
+        where = f"person {plan.name!r} at ({plan.path_m[0][0]:g}, {plan.path_m[0][1]:g})"
+        for solid in solids:
+            is_near = solid.bottom < _PERSON_HEIGHT and solid.size[2] + solid.bottom > _STEPPED_OVER
+            if is_near and solid.signed_distance(point)[0] < radius:
+                raise WorldError(f"{where} stands in {solid.name!r}")
+        for name, start in starts.items():
+            off = np.hypot(*(start @ _filled(models[name]) - point).T)
+            if off.min() < radius:
+                raise WorldError(f"{where} stands in robot {_called(name)}")
 
 
 def _filled(model: RobotModel) -> np.ndarray:

@@ -35,6 +35,20 @@ class RobotFile:
     omni: OmniCameraConfig | None = None
     stereo: StereoConfig | None = None
 
+    def __post_init__(self) -> None:
+        if self.drive.is_omnidirectional and not self.wheels.bearings_deg:
+            raise ValueError("drive.is_omnidirectional needs wheels.bearings_deg")
+        if not self.height_m > 0.0:
+            raise ValueError(f"height_m must be > 0, got {self.height_m:g}")
+        corners = np.array(self.footprint_m).reshape(-1, 2)
+        edges = np.roll(corners, -1, axis=0) - corners
+        after = np.roll(edges, -1, axis=0)
+        bends = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
+        if len(corners) < 3 or not ((bends > 1e-9).all() or (bends < -1e-9).all()):
+            raise ValueError(
+                f"footprint_m must be 3 or more corners of a convex shape, got {corners.tolist()}"
+            )
+
     @property
     def sonar_frames(self) -> tuple[str, ...]:
         """The links its sonars sit on, in the order of their numbers."""
@@ -91,7 +105,12 @@ def load_robot(placement: RobotPlacement) -> RobotModel:
     data = _merged(load_yaml(folder / f"{placement.model}.yaml"), placement.overrides)
     config = build(RobotFile, data, f"robot {placement.model}")
     urdf_path = folder / config.urdf
-    urdf = urdf_path.read_text(encoding="utf-8")
+    try:
+        urdf = urdf_path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise WorldError(
+            f"robot {placement.model}: urdf {config.urdf!r}: {error.strerror}"
+        ) from error
     mounts = _fixed_mounts(urdf)
     lasers = () if config.laser is None else (config.laser.frame,)
     omnis = () if config.omni is None else (config.omni.frame,)

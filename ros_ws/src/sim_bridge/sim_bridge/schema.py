@@ -18,6 +18,26 @@ class WorldError(ValueError):
     """A world or robot file that cannot be used; the text is one line for the user."""
 
 
+class _StrictLoader(yaml.SafeLoader):
+    """A safe loader that refuses a mapping with the same key twice."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping.
+
+        Raises:
+            yaml.YAMLError: A key is there twice.
+        """
+        seen = set()
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
+                if key.value in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None, None, f"key {key.value!r} is there twice", key.start_mark
+                    )
+                seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
 def load_yaml(path: Path) -> dict[str, Any]:
     """Return the mapping in a YAML file.
 
@@ -25,7 +45,7 @@ def load_yaml(path: Path) -> dict[str, Any]:
         WorldError: If it cannot be read or is not one mapping.
     """
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        data = yaml.load(path.read_text(encoding="utf-8"), _StrictLoader)  # noqa: S506, is safe
     except OSError as error:
         raise WorldError(f"{path}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -111,12 +131,20 @@ def build(cls: type[T], data: Any, where: str) -> T:
             raise WorldError(f"{where}: key {name!r} is missing")
     hints = get_type_hints(cls)
     values = {key: _value(hints[key], item, f"{where}: {key}") for key, item in data.items()}
+    # Some say themselves what they take, such as the color of a lamp.
+    if "color" in values and "le" not in known["color"].metadata:
+        _require_color(values["color"], where)
     try:
         return cls(**values)
     except WorldError:
         raise
     except ValueError as error:
         raise WorldError(f"{where}: {error}") from error
+
+
+def _require_color(color: tuple[float, ...], where: str) -> None:
+    if not all(0.0 <= share <= 1.0 for share in color):
+        raise WorldError(f"{where}: color: expected red, green, blue from 0 to 1, got {color}")
 
 
 def _value(hint: Any, data: Any, where: str) -> Any:

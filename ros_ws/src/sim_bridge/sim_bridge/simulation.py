@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sim_bridge.config import STEP_NS
 from sim_bridge.drive import DriveState, Velocity, drive_step, refusal
 from sim_bridge.observations import GroundTruth, Observations, RobotObservation
 from sim_bridge.panes import panes_of
 from sim_bridge.people.people import People, disk_of
 from sim_bridge.physics import Physics
-from sim_bridge.placement import require_free
+from sim_bridge.placement import require_free, require_people_free
 from sim_bridge.ranging import RangeSensors, is_due
 from sim_bridge.robot_model import load_robot
 from sim_bridge.schema import WorldError
@@ -31,7 +32,7 @@ from sim_bridge.wheels import (
 )
 from sim_bridge.world import World
 
-STEP_NS = 10_000_000
+__all__ = ["STEP_NS", "Simulation"]
 
 
 @dataclass
@@ -72,6 +73,8 @@ class Simulation:
         self.models = {placed.name: load_robot(placed) for placed in world.robots}
         self.starts = {placed.name: T @ placed.pose for placed in world.robots}
         require_free(self.models, self.starts, self.solids)
+        body = world.people_model.torso_radius_m
+        require_people_free(world.people, body, T, self.models, self.starts, self.solids)
         robots = {name: (model, self.starts[name]) for name, model in self.models.items()}
         self._people = _people_of(world, T)
         self._physics = Physics(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from floornav_common.config import param, validate
+from sim_bridge.config import STEP_S
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +50,12 @@ class SonarConfig:
         if self.range_max_m <= self.range_min_m:
             raise ValueError(
                 f"range_max_m must be > range_min_m = {self.range_min_m}, got {self.range_max_m}"
+            )
+        slot_s = self.period_s / len(self.firing_order)
+        if slot_s < STEP_S - 1e-9:
+            raise ValueError(
+                f"period_s must give each of {len(self.firing_order)} slots >= {STEP_S:g} s, a "
+                f"step of the simulation, got {slot_s:g} s"
             )
         named = sorted(k for group in self.groups for k in group)
         if self.groups and (named != list(range(self.count)) or not all(self.groups)):

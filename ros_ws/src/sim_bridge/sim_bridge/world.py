@@ -173,6 +173,9 @@ class Route:
     waypoints_m: tuple[Point, ...]
     speed_m_s: float = 0.8
 
+    def __post_init__(self) -> None:
+        _require_positive(speed_m_s=self.speed_m_s, waypoints_m=len(self.waypoints_m))
+
 
 @dataclass(frozen=True, kw_only=True)
 class World:
@@ -199,18 +202,17 @@ class World:
     parameters: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        _require_positive(ceiling_m=1.0 if self.ceiling_m is None else self.ceiling_m)
         for item in (*self.tables, *self.shelves):
             if item.glass is not None:
                 raise ValueError(f"{item.name!r} cannot be of glass: only walls, doors and boxes")
-        names = [robot.name for robot in self.robots]
-        for name in names:
-            if names.count(name) > 1:
-                text = f"two robots have the name {name!r}" if name else "several robots need names"
+        for kind, named in (("robots", self.robots), ("people", self.people)):
+            names = [one.name for one in named]
+            for name in (name for name in names if names.count(name) > 1):
+                text = (
+                    f"two {kind} have the name {name!r}" if name else f"several {kind} need names"
+                )
                 raise ValueError(text)
-        people = [person.name for person in self.people]
-        for name in people:
-            if people.count(name) > 1:
-                raise ValueError(f"two people have the name {name!r}")
 
 
 def world_names() -> list[str]:
@@ -223,9 +225,7 @@ def load_world(name_or_path: str | Path, parameters: Mapping[str, Any] | None = 
     """Load a world of the package by name, or any YAML file by path.
 
     A file may name figures under `parameters` and use them as `$name`; those given here replace
-    the file's.
-
-    `generated:SEED:GLASS_SHARE` is a floor made by `sim_bridge.generator`.
+    the file's. `generated:SEED:GLASS_SHARE` is a floor made by `sim_bridge.generator`.
 
     Raises:
         WorldError: If there is none of that name or the file does not hold to the schema.

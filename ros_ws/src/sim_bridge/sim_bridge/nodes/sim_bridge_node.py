@@ -33,6 +33,7 @@ from sim_bridge.nodes.run_watch import RunWatch
 from sim_bridge.nodes.world_ports import PeoplePort, robot_ports
 from sim_bridge.physics import PybulletMissingError
 from sim_bridge.placement import oddities
+from sim_bridge.ranging import is_due
 from sim_bridge.schema import WorldError, parsed_parameters
 from sim_bridge.simulation import STEP_NS, Simulation
 from sim_bridge.world import load_world
@@ -110,7 +111,7 @@ class SimBridgeNode(FloornavNode):
         commands = {name: port.take_command() for name, port in self._ports.items()}
         given = {name: c for name, c in commands.items() if c is not None}
         seen = self._sim.step(given, lambda name, camera: self._ports[name].is_watched(camera))
-        if seen.stamp_ns % max(round(self._config.clock_period_s * 1e9), STEP_NS) == 0:
+        if is_due(seen.stamp_ns, self._config.clock_period_s, STEP_NS):
             self._clock_pub.publish(ClockMsg(clock=ns_to_stamp(seen.stamp_ns)))
         for name, port in self._ports.items():
             port.publish(seen.stamp_ns, seen.robots[name])
