@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
+import textwrap
 
 from _environment import ensure_environment
 
@@ -26,6 +27,7 @@ EXPERIMENTS = {
     "laser-drives": "drift on simulated drives: full rate, key scans, slip, a bare corridor",
     "sensor-models": "simulated sensors beside what their settings promise",
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
+    "floor-images": "floor mask and free space on real pictures: --images DIR",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
 }
 
@@ -42,15 +44,25 @@ def main(argv: list[str] | None = None) -> int:
         sections: list[Section] = module.run(args, values)
     title = f"floornav: {args.experiment}"
     write_html(args.out_dir, title, sections, f"seed {args.seed}")
-    for block in (block for section in sections for block in section.blocks):
-        if isinstance(block, Table):
-            say(_as_text(block), is_quiet=args.quiet)
+    for section in sections:
+        say(_section_text(section), is_quiet=args.quiet)
     say(f"results: {args.out_dir}", is_quiet=args.quiet)
     return 0
 
 
 def _module(experiment: str):  # type: ignore[no-untyped-def]
     return importlib.import_module(f"experiments.{experiment.replace('-', '_')}")
+
+
+def _section_text(section: Section) -> str:
+    """Return a section's title, texts and tables for the terminal."""
+    parts = [f"\n{section.title}"] if section.title else []
+    for block in section.blocks:
+        if isinstance(block, Table):
+            parts.append(_as_text(block))
+        elif isinstance(block, str):
+            parts.append(textwrap.fill(block, 100))
+    return "\n".join(parts)
 
 
 def _as_text(table: Table) -> str:
