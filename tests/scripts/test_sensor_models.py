@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
 import pytest
 
 pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
