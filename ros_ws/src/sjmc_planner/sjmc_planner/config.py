@@ -62,6 +62,10 @@ class OmniConfig:
         0.0, "`omni_velocity`: how much an angle to the present motion counts beside one to the "
         "goal; 0 is the published rule.", ge=0.0, le=1.0,
     )  # fmt: skip
+    remembers_near: bool = param(
+        True, "`omni_velocity`: remember what went nearer than the sensor sees; false is the "
+        "published rule.",
+    )  # fmt: skip
     keeps_stoppable: bool = param(
         True, "`omni_velocity`: only take what can still be stopped from within what is seen; "
         "false is the published rule.",

@@ -18,7 +18,7 @@ it is not grown, or a robot with a blind rear could not move sideways either.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -41,12 +41,14 @@ class Wedges:
         ranges: Where its obstacle begins, shape (M,), m; inf if none was seen, 0 if it may be
             anywhere, NaN if it was not looked.
         horizon: How far was looked, m.
+        blind: Nearer than this the sensor sees nothing, m.
     """
 
     start: np.ndarray
     width: np.ndarray
     ranges: np.ndarray
     horizon: float
+    blind: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -89,8 +91,9 @@ def wedges_of(obstacles: Obstacles, unseen_gap: float) -> Wedges:
     T = obstacles.T_base_sensor
     horizon = scan.range_max - T.distance
     if T.distance < 1e-6:
-        return Wedges(start + T.yaw, width, ranges, horizon)
-    return _moved(start, width, ranges, T, horizon)
+        return Wedges(start + T.yaw, width, ranges, horizon, scan.range_min)
+    moved = _moved(start, width, ranges, T, horizon)
+    return replace(moved, blind=scan.range_min + T.distance)
 
 
 def grow(wedges: Wedges, radius: float, num: int) -> GrownSpace:

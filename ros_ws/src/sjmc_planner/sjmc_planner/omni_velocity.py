@@ -15,7 +15,8 @@ Beyond the paper `omni_velocity` goes slower where nothing near the goal's direc
 speed (`num_speeds`, `detour_rad`): the free way that T_th asks for shrinks with the speed, so gaps
 are passed slowly instead of turned from. And it takes no direction from which, after one cycle, the
 robot could no longer stop straight ahead within what it sees (`keeps_stoppable`); if there is none
-it brakes. So a standing obstacle that is seen is not driven into. For a differential robot the ways
+it brakes. So a standing obstacle that is seen is not driven into; one that went nearer
+than the sensor sees is remembered (`near_memory`). For a differential robot the ways
 are those of `unicycle_motion`; all else is the same.
 """
 
@@ -30,6 +31,7 @@ from sjmc_planner.config import OmniConfig, RobotConfig
 from sjmc_planner.free_times import can_stop, free_times, straight_free_times
 from sjmc_planner.growth import GrownSpace, grow, wedges_of
 from sjmc_planner.limited_motion import limited_position, limited_velocity, stopping_speed
+from sjmc_planner.near_memory import NearMemory
 from sjmc_planner.planning import (
     BLOCKED,
     BRAKING,
@@ -108,6 +110,7 @@ class OmniVelocity:
         self._robot, self._config, self._cycle = robot, config, cycle
         self._bearings = directions(config.num_directions)
         self._units = np.column_stack((np.cos(self._bearings), np.sin(self._bearings)))
+        self._memory = NearMemory()
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
 
     def decide(
@@ -117,6 +120,8 @@ class OmniVelocity:
         if goal.distance <= self._cycle.goal_tolerance:
             return Decision(STILL, REACHED)
         wedges = wedges_of(obstacles, self._cycle.unseen_gap)
+        if self.has_velocity and self._config.remembers_near:
+            wedges = self._memory.update(wedges, state.moved)
         space = grow(wedges, self._robot.grown_radius, self._config.num_bearings)  # Step 1
         speed, times, order = self._choose(state, goal, space)
         chosen = self._first_stoppable(order, state, speed, space)

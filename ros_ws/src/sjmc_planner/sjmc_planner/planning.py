@@ -48,10 +48,12 @@ class RobotState:
     Attributes:
         velocity: Measured (the paper's v_a).
         command: The one sent last; `STILL` if none is in force.
+        moved: Where it is, seen from where it was when the method was asked last.
     """
 
     velocity: Velocity
     command: Velocity = STILL
+    moved: SE2 = SE2(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)

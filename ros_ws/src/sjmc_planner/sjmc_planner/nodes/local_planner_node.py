@@ -18,6 +18,7 @@ from floornav_common.ros.main import run_node
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.parameters import declare_config
 from sjmc_planner.config import LocalPlannerConfig
+from sjmc_planner.limited_motion import moved_by
 from sjmc_planner.methods import make_method
 from sjmc_planner.nodes.command_port import CommandPort
 from sjmc_planner.nodes.goal_port import GoalPort
@@ -25,6 +26,8 @@ from sjmc_planner.nodes.planner_inputs import InputMissing, PlannerInputs
 from sjmc_planner.nodes.planner_report import STOPPED, PlannerReport
 from sjmc_planner.planning import REACHED, RobotState
 from sjmc_planner.warm_up import compile_kernels
+
+_PAUSE_NS = 1_000_000_000
 
 
 class LocalPlannerNode(FloornavNode):
@@ -36,6 +39,7 @@ class LocalPlannerNode(FloornavNode):
         self._config = declare_config(self, LocalPlannerConfig, on_change=self._set_config)
         self._method = make_method(self._config)
         self._is_enabled = True
+        self._decided_ns: int | None = None
         self._goals = GoalPort(self, self._config)
         self._inputs = PlannerInputs(self, self._config)
         self._commands = CommandPort(self, self._config)
@@ -80,8 +84,9 @@ class LocalPlannerNode(FloornavNode):
         velocity = self._inputs.velocity()
         obstacles = self._inputs.obstacles(velocity)
         goal = self._goals.target.goal(self._inputs.pose(self._goals.frame, velocity))
+        moved = moved_by(velocity, self._since_last())
         decision = self._method.decide(
-            RobotState(velocity, self._commands.last), obstacles, goal,
+            RobotState(velocity, self._commands.last, moved), obstacles, goal,
             has_debug=self._report.wants_markers,
         )  # fmt: skip
         if decision.debug is not None:
@@ -91,6 +96,15 @@ class LocalPlannerNode(FloornavNode):
             self._commands.rest()
         else:
             self._commands.drive(decision.command)
+
+    def _since_last(self) -> float:
+        """Return the time since the last decision, s; after a pause the method starts anew."""
+        now_ns, last_ns = self.time.read_ns(), self._decided_ns
+        self._decided_ns = now_ns
+        if last_ns is None or now_ns - last_ns > _PAUSE_NS:
+            self._method = make_method(self._config)
+            return 0.0
+        return (now_ns - last_ns) * 1e-9
 
     def _stop(self, reason: str) -> None:
         if self._is_enabled and self._goals.target is not None:
