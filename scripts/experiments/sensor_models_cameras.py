@@ -18,7 +18,8 @@ from sim_bridge.drive import Velocity
 from sim_bridge.simulation import Simulation
 from sim_bridge.world import RobotPlacement, World, load_world
 
-HEADER = ("quantity", "promised", "measured", "deviation")
+HEADER = ("quantity", "promised", "measured", "deviation", "tolerance", "kept")
+_RADIUS_TOL_PX, _DISPARITY_TOL_PX, _GRAY_TOL, _NOISE_TOL = 0.1, 0.1, 1.0, 0.05
 WORLDS = ("small_size_field", "middle_size_field", "stereo_room")
 _CLEAN = {
     "exposure": 1.0, "blur_sd_px": 0.0, "vignetting": 0.0, "noise_sd": 0.0, "shot_noise": 0.0,
@@ -26,11 +27,11 @@ _CLEAN = {
 _SIZES = ((256, 220), (640, 480))
 _DISTANCES = (0.20, 0.30, 0.45, 0.65, 0.90, 1.20, 1.60, 2.20)
 _WHITE, _BLACK = (0.9, 0.9, 0.9), (0.05, 0.05, 0.05)
-Row = tuple[str, str, str, str]
+Row = tuple[str, str, str, str, str, bool]
 
 
 def run(seed: int) -> tuple[list[Row], dict[str, np.ndarray]]:
-    """Return rows (quantity, promised, measured, deviation) and pictures (RGB uint8) by name."""
+    """Return rows as `HEADER` names them, and pictures (RGB uint8) by name."""
     rows: list[Row] = []
     for size in _SIZES:
         rows += mirror_rows(size, seed)
@@ -53,7 +54,7 @@ def mirror_rows(size: tuple[int, int], seed: int) -> list[Row]:
         R = float(camera.floor_radius(distance))
         found = edge_radii(image, camera, R)
         name = f"mirror {size[0]} x {size[1]}: radius of {distance:.2f} m, px"
-        rows.append((name, f"{R:.3f}", f"{found.mean():.3f}", f"{found.mean() - R:+.3f}"))
+        rows.append(_row(name, f"{R:.3f}", f"{found.mean():.3f}", found.mean() - R, _RADIUS_TOL_PX))
     return rows
 
 
@@ -70,7 +71,8 @@ def noise_rows(seed: int) -> list[Row]:
         promised = math.sqrt(dark**2 + shot * 127.5 + 1.0 / 12.0)
         found = math.sqrt(images[:, ring].var(axis=0, ddof=1).mean())
         name = f"noise at gray 127, dark {dark:g}, shot {shot:g}"
-        rows.append((name, f"{promised:.2f}", f"{found:.2f}", f"{found / promised - 1:+.1%}"))
+        off, tol = found / promised - 1.0, _NOISE_TOL
+        rows.append(_row(name, f"{promised:.2f}", f"{found:.2f}", off, tol, "+.1%"))
     return rows
 
 
@@ -86,15 +88,14 @@ def light_rows(seed: int) -> list[Row]:
         promised = 127.5 * exposure * np.array(color)
         off = float(np.abs(found - promised).max())
         name = f"floor of 0.5 at exposure {exposure:g}, light {color}"
-        rows.append((name, _rgb(promised), _rgb(found), f"{off:+.1f}"))
+        rows.append(_row(name, _rgb(promised), _rgb(found), off, _GRAY_TOL, "+.1f"))
     image = _first_omni(
         replace(_with(_rings({}), {"image": {**_CLEAN, "vignetting": 0.4}}), floor=floor), seed
     )
     found = float(image[_between(image, 99.5, 100.5)].mean())
     promised = 127.5 * (1.0 - 0.4 * (100.0 / 110.0) ** 2)
-    rows.append(
-        ("vignetting 0.4 at 100 px", f"{promised:.1f}", f"{found:.1f}", f"{found - promised:+.1f}")
-    )
+    name, off = "vignetting 0.4 at 100 px", found - promised
+    rows.append(_row(name, f"{promised:.1f}", f"{found:.1f}", off, _GRAY_TOL, "+.1f"))
     return rows
 
 
@@ -110,8 +111,8 @@ def disparity_rows(seed: int) -> list[Row]:
     promised = model.config.stereo.focal_px * model.baseline("front") / (5.12 - 2.6 + 0.11)
     found = _shift(pair.left[60:180], pair.right[60:180])
     simulation.close()
-    off = found - promised
-    return [("disparity of a wall, px", f"{promised:.2f}", f"{found:.2f}", f"{off:+.2f}")]
+    name, off = "disparity of a wall, px", found - promised
+    return [_row(name, f"{promised:.2f}", f"{found:.2f}", off, _DISPARITY_TOL_PX, "+.2f")]
 
 
 def edge_radii(image: np.ndarray, camera: MirrorCamera, near: float) -> np.ndarray:
@@ -227,6 +228,14 @@ def _shift(left: np.ndarray, right: np.ndarray) -> float:
     down, up = costs[k - 1] - costs[k], costs[k + 1] - costs[k]
     # Absolute differences make a V about the minimum.
     return k + 0.5 * (down - up) / max(down, up)
+
+
+def _row(
+    name: str, promised: str, measured: str, off: float, tolerance: float, form: str = "+.3f"
+) -> Row:
+    allowed = format(tolerance, form.lstrip("+"))
+    is_kept = bool(abs(off) <= tolerance)  # NaN is not
+    return name, promised, measured, format(off, form), allowed, is_kept
 
 
 def _rgb(values: np.ndarray) -> str:

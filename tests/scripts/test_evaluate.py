@@ -36,3 +36,11 @@ def test_bad_input_of_live_mapping_is_one_line_and_leaves_no_folder(
     assert done.returncode == 2, text
     assert text.count("\n") == 1 and expected in text
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "empty"]
+
+
+def test_the_terminal_names_and_explains_every_table() -> None:
+    import evaluate
+    from floornav_common.reporting import Section, Table
+
+    text = evaluate._section_text(Section("Mirror", ["Radii, px.", Table(["a"], [["1"]])]))
+    assert text.split() == ["Mirror", "Radii,", "px.", "a", "1"]

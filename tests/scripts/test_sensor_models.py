@@ -53,10 +53,11 @@ ANGLES = np.radians([0.0, 30.0, 45.0, 60.0, 75.0])
 
 
 def test_fresnel_reflectances_of_glass_by_table() -> None:
-    # n = 1.52, worked out by hand from cos i and cos t = 1, .94437, .88522, .82180, .77210.
+    # n = 1.52, by hand from cos i and cos t = 1, .944349, .885205, .821816, .772119 in the other
+    # form, ((cos i - n cos t) / (cos i + n cos t))^2 and ((cos t - n cos i) / (cos t + n cos i))^2.
     across, along = reflectance_of_a_face(ANGLES, 1.52)
-    assert across == pytest.approx([0.04258, 0.06122, 0.09642, 0.18349, 0.40975], abs=1e-5)
-    assert along == pytest.approx([0.04258, 0.02721, 0.00930, 0.00181, 0.10687], abs=1e-5)
+    assert across == pytest.approx([0.04258, 0.06121, 0.09673, 0.18344, 0.40785], abs=1e-5)
+    assert along == pytest.approx([0.04258, 0.02708, 0.00936, 0.00153, 0.10558], abs=1e-5)
 
 
 def test_other_curves_by_hand() -> None:
@@ -64,10 +65,10 @@ def test_other_curves_by_hand() -> None:
         [4.160, 4.555, 5.107, 5.993, 7.318], abs=1e-3
     )
     assert light_through_a_pane(np.zeros(1), 1.52, 0.8) == pytest.approx([0.8])
-    # (1 - R) / (1 + R) of the table at 60 degrees, and 0.8 / 0.91833 on 1 / 0.82180 of the way.
-    clear = ((1 - 0.18349) / (1 + 0.18349) + (1 - 0.00181) / (1 + 0.00181)) / 2.0
+    # (1 - R) / (1 + R) of the table at 60 degrees, and 0.8 / 0.91832 on 1 / 0.82182 of the way.
+    clear = ((1 - 0.18344) / (1 + 0.18344) + (1 - 0.00153) / (1 + 0.00153)) / 2.0
     assert light_through_a_pane(ANGLES[3:4], 1.52, 0.8) == pytest.approx(
-        [clear * (0.8 / 0.91833) ** (1.0 / 0.82180)], abs=1e-4
+        [clear * (0.8 / 0.91832) ** (1.0 / 0.82182)], abs=1e-5
     )
     assert mirror_share(np.array([0.0, 0.1]), 0.9, 0.1) == pytest.approx([0.9, 0.45])
     assert dirt_share(ANGLES[3:4], 0.1) == pytest.approx([0.19])
@@ -80,7 +81,7 @@ def test_cross_talk_by_hand() -> None:
     told = cross_talk_range(
         np.array([0.0, 0.5]), -0.2, np.array([0.0, -0.5]), 0.2, 2.0, 0.2, 0.3, 0.3
     )
-    assert told <= np.hypot(2.0, 0.5) and told == pytest.approx(np.hypot(2.0, 0.5), abs=2e-3)
+    assert told == pytest.approx(np.hypot(2.0, 0.5), abs=1e-6)
     deaf = cross_talk_range(
         np.array([0.0, 0.5]), 0.1, np.array([0.0, -0.5]), -0.2, 2.0, 0.05, 0.3, 0.05
     )
