@@ -1,4 +1,4 @@
-"""Every value of the laser mapper that can be set; a default stands here and nowhere else."""
+"""Every value of the mapper that can be set; a default stands here and nowhere else."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import pi
 
 from floornav_common.config import param, validate
+from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,9 +134,10 @@ class KeyScanConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class GridMapperConfig:
-    """The laser mapper.
+    """The mapper.
 
-    `match_key` says which scans the next ones are matched to, `map_key` which enter the grid.
+    `match_key` says which scans the next ones are matched to, `map_key` which enter the grid,
+    `sonar_key` which readings of a sonar enter the ultrasonic map.
     """
 
     resolution_m: float = param(
@@ -144,6 +146,11 @@ class GridMapperConfig:
     grid: str = param(
         "label", "Map rule: the published labels, or the log-odds that the field uses.",
         choices=("label", "log_odds"), read_only=True,
+    )  # fmt: skip
+    fusion: str = param(
+        "overlay",
+        "How sonars enter the map: the published overlay, Bayesian integration, or not at all.",
+        choices=("overlay", "bayes", "none"), read_only=True,
     )  # fmt: skip
     min_range_m: float = param(
         0.0, "Shorter readings are left out, beside the scan's own range_min.", unit="m", ge=0.0
@@ -192,6 +199,8 @@ class GridMapperConfig:
     motion: MotionConfig = field(default_factory=MotionConfig)
     label: LabelGridConfig = field(default_factory=LabelGridConfig)
     log_odds: LogOddsConfig = field(default_factory=LogOddsConfig)
+    sonar: SonarConfig = field(default_factory=SonarConfig)
+    sonar_key: SonarKeyConfig = field(default_factory=SonarKeyConfig)
 
     def __post_init__(self) -> None:
         validate(self)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from floornav_common.se2 import SE2
 from grid_mapper.config import KeyScanConfig
+from grid_mapper.sonar_config import SonarKeyConfig
 
 
 class KeyScans:
@@ -12,7 +13,7 @@ class KeyScans:
     def __init__(self) -> None:
         self._last: tuple[int, SE2] | None = None
 
-    def take(self, stamp_ns: int, pose: SE2, config: KeyScanConfig) -> bool:
+    def take(self, stamp_ns: int, pose: SE2, config: KeyScanConfig | SonarKeyConfig) -> bool:
         """Tell whether the scan of this stamp and pose is one to keep; the first always is."""
         if self._last is not None:
             last_ns, last_pose = self._last

@@ -63,13 +63,15 @@ class GridMapper:
             T_base_laser: Pose of the laser on the robot.
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
-        scan = self._clipped(scan)
+        scan = self.clipped(scan)
         result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
-        pose = result.T_map_base
-        if result.is_trusted and self._keys.take(stamp_ns, pose, self.config.map_key):
-            self.grid.add_scan(scan, pose @ T_base_laser)
-            self.num_key_scans += 1
+        if result.is_trusted:
+            self._map(stamp_ns, scan, result.T_map_base, T_base_laser)
         return result
+
+    def place_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
+        """Map one scan at a pose that another localizer knows, if the robot has moved on."""
+        self._map(stamp_ns, self.clipped(scan), T_map_base, T_base_laser)
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
         """Go on from another pose; see `ScanLocalizer.relocate`."""
@@ -88,8 +90,14 @@ class GridMapper:
         """Bytes held by the map to match to and the grid."""
         return self._localizer.num_bytes + self.grid.num_bytes
 
-    def _clipped(self, scan: Scan) -> Scan:
+    def clipped(self, scan: Scan) -> Scan:
         """Return the scan with the configured range limits beside its own."""
         low = max(scan.range_min, self.config.min_range_m)
         high = min(scan.range_max, self.config.max_range_m)
         return replace(scan, range_min=low, range_max=high)
+
+    def _map(self, stamp_ns: int, scan: Scan, T_map_base: SE2, T_base_laser: SE2) -> None:
+        """Add a key scan to the grid."""
+        if self._keys.take(stamp_ns, T_map_base, self.config.map_key):
+            self.grid.add_scan(scan, T_map_base @ T_base_laser)
+            self.num_key_scans += 1

@@ -1,0 +1,117 @@
+"""How laser and sonar become one map: the methods by name (parameter `fusion`)."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from floornav_common.grid import UNKNOWN, OccupancyMap
+from floornav_common.readings import RangeReading
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.overlay import glass_layer, overlay
+
+MapSource = Callable[[], OccupancyMap]
+
+
+class Fusion(Protocol):
+    """What a method is asked for; every trusted scan and every placed reading goes to it."""
+
+    def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
+        """Take a scan at its pose."""
+        ...
+
+    def add_range(self, reading: RangeReading, T_map_sonar: SE2, stamp_ns: int) -> None:
+        """Take a sonar reading at its pose."""
+        ...
+
+    def glass(self) -> OccupancyMap:
+        """Return what was inferred to be glass: 100 there, unknown elsewhere."""
+        ...
+
+    def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
+        """Return the map to drive by, on the lattice of the laser's."""
+        ...
+
+
+class OverlayFusion:
+    """The published rule (glass paper, section 6), over the laser's map and the sonars'."""
+
+    def __init__(self, laser_map: MapSource, sonar_map: MapSource) -> None:
+        self._laser_map = laser_map
+        self._sonar_map = sonar_map
+
+    def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
+        """Keep nothing: the laser's map has it."""
+
+    def add_range(self, reading: RangeReading, T_map_sonar: SE2, stamp_ns: int) -> None:
+        """Keep nothing: the sonars' map has it."""
+
+    def glass(self) -> OccupancyMap:
+        """Return the sonar's obstacles where the laser says free."""
+        return glass_layer(self._laser_map(), self._sonar_map())
+
+    def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
+        """Return the overlay of both maps."""
+        return overlay(laser_map, self._sonar_map())
+
+
+class NoFusion:
+    """The laser's map as it is; no glass."""
+
+    def __init__(self, laser_map: MapSource) -> None:
+        self._laser_map = laser_map
+
+    def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
+        """Keep nothing."""
+
+    def add_range(self, reading: RangeReading, T_map_sonar: SE2, stamp_ns: int) -> None:
+        """Keep nothing."""
+
+    def glass(self) -> OccupancyMap:
+        """Return a layer without glass."""
+        laser = self._laser_map()
+        cells = np.full(laser.cells.shape, UNKNOWN, np.int8)
+        return OccupancyMap(cells, laser.resolution, laser.origin)
+
+    def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
+        """Return the laser's map."""
+        return laser_map
+
+
+def make_fusion(config: GridMapperConfig, laser_map: MapSource, sonar_map: MapSource) -> Fusion:
+    """Return the method that a configuration names, empty.
+
+    Args:
+        config: Names it in `fusion`.
+        laser_map: Gives the laser's map as it stands.
+        sonar_map: Gives the map of ultrasonic points as it stands.
+
+    Raises:
+        ValueError: If this version does not have it.
+    """
+    makers: dict[str, Callable[[], Fusion]] = {
+        "overlay": lambda: OverlayFusion(laser_map, sonar_map),
+        "bayes": lambda: _make_bayes(config),
+        "none": lambda: NoFusion(laser_map),
+    }
+    return makers[config.fusion]()
+
+
+def _make_bayes(config: GridMapperConfig) -> Fusion:
+    """Return the Bayesian method, which has a module of its own."""
+    name = "grid_mapper.bayes_fusion"
+    try:
+        module = importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name != name:
+            raise
+        raise ValueError(
+            "fusion: bayes is not part of this version; use overlay (the published rule) or none"
+        ) from None
+    fusion: Fusion = module.BayesFusion(config)
+    return fusion

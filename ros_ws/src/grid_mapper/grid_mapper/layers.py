@@ -1,0 +1,245 @@
+"""Laser map, ultrasonic map, glass and their sum, filled from scans and sonar readings.
+
+A sonar reading is placed at its own stamp, between the poses of the scans round it (glass paper,
+section 3), so it waits for the next trusted scan. Into the ultrasonic map go readings apart from
+each other in space, each sonar by itself, so that its points depend on no sensor's rate.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from floornav_common.grid import UNKNOWN, OccupancyMap
+from floornav_common.readings import RangeReading
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.fusion import Fusion, make_fusion
+from grid_mapper.key_scans import KeyScans
+from grid_mapper.localizer import ScanResult
+from grid_mapper.mapper import GridMapper
+from grid_mapper.pose_history import PoseHistory
+from grid_mapper.sonar_grid import SonarGrid
+from grid_mapper.sonar_reading import Nothing, classify
+
+MAX_WAITING = 5000
+"""Readings that may wait for a scan: 24 sonars at 20 Hz for ten seconds."""
+
+
+@dataclass(frozen=True)
+class Layers:
+    """All maps of one moment.
+
+    Attributes:
+        occupancy: The map to drive by.
+        laser: What the laser alone says; no cells without a laser.
+        sonar: What the sonars alone say; no cells without a sonar.
+        glass: Glass inferred: occupied there, unknown elsewhere.
+    """
+
+    occupancy: OccupancyMap
+    laser: OccupancyMap
+    sonar: OccupancyMap
+    glass: OccupancyMap
+
+
+@dataclass
+class SonarCounts:
+    """What became of sonar readings.
+
+    Attributes:
+        placed: Put into the maps' frame.
+        void: Of these, saying nothing; see `sonar_reading`.
+        counted: Of these, far enough from the last of that sonar to enter the ultrasonic map.
+        unplaced: Left out: no trusted scans near enough in time on both sides of their stamp.
+    """
+
+    placed: int = 0
+    void: int = 0
+    counted: int = 0
+    unplaced: int = 0
+
+
+@dataclass(order=True)
+class _Waiting:
+    """A reading whose pose is not known yet; sorts by stamp, then as it came."""
+
+    stamp_ns: int
+    number: int
+    reading: RangeReading = field(compare=False)
+    T_base_sonar: SE2 = field(compare=False)
+    sensor: str = field(compare=False)
+
+
+class LayeredMapper:
+    """Turns scans and sonar readings into poses and layers.
+
+    Attributes:
+        laser: Poses and the laser's map.
+        sonar_counts: What became of readings so far.
+    """
+
+    def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
+        """Start with empty maps; `T_map_start` is the first pose, the map's origin by default.
+
+        Raises:
+            ValueError: If this version does not have the method that `config.fusion` names.
+        """
+        self.config = config
+        self.laser = GridMapper(config, T_map_start)
+        self._empty_layers()
+
+    def reset(self) -> None:
+        """Forget the maps and the pose."""
+        self.laser.reset()
+        self._empty_layers()
+
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Go on with other values; those marked read-only stay as they were."""
+        self.config = config
+        self.laser.reconfigure(config)
+        self._sonar.config = config.sonar
+        self._maps.clear()
+
+    def insert_scan(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> ScanResult:
+        """Localize and map one scan, and place the readings that waited for it.
+
+        Args:
+            stamp_ns: Of the scan.
+            scan: In the laser's frame.
+            T_base_laser: Pose of the laser on the robot.
+            T_odom_base: Odometry at the stamp; None to expect steady motion instead.
+        """
+        result = self.laser.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
+        if result.is_trusted:
+            T_map_laser = result.T_map_base @ T_base_laser
+            self._fusion.add_scan(self.laser.clipped(scan), T_map_laser, stamp_ns)
+            self._history.add(stamp_ns, result.T_map_base)
+            self._place_waiting()
+        return result
+
+    def insert_range(
+        self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str
+    ) -> None:
+        """Take one sonar reading; it is placed once the scans round it have their poses.
+
+        Args:
+            stamp_ns: Of the reading.
+            reading: As the driver sent it.
+            T_base_sonar: Pose of the sonar on the robot, which looks along its x axis.
+            sensor: Tells sonars apart.
+        """
+        self._num_taken += 1
+        waiting = _Waiting(stamp_ns, self._num_taken, reading, T_base_sonar, sensor)
+        heapq.heappush(self._waiting, waiting)
+        if len(self._waiting) > MAX_WAITING:
+            heapq.heappop(self._waiting)
+            self.sonar_counts.unplaced += 1
+        self._place_waiting()
+
+    def place_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
+        """Map one scan at a pose that another localizer knows."""
+        self.laser.place_scan(stamp_ns, scan, T_base_laser, T_map_base)
+        self._fusion.add_scan(self.laser.clipped(scan), T_map_base @ T_base_laser, stamp_ns)
+
+    def place_range(
+        self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str, T_map_base: SE2
+    ) -> None:
+        """Map one sonar reading at a pose that is known: of a localizer, or of odometry alone."""
+        T_map_sonar = T_map_base @ T_base_sonar
+        self.sonar_counts.placed += 1
+        self._fusion.add_range(reading, T_map_sonar, stamp_ns)
+        if isinstance(classify(reading), Nothing):
+            self.sonar_counts.void += 1
+            return
+        keys = self._keys.setdefault(sensor, KeyScans())
+        if keys.take(stamp_ns, T_map_base, self.config.sonar_key):
+            self._sonar.add_range(reading, T_map_sonar)
+            self.sonar_counts.counted += 1
+
+    def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
+        """Go on from another pose; see `ScanLocalizer.relocate`."""
+        self.laser.relocate(T_map_base, cov)
+        self._history.break_here()
+
+    def break_motion(self) -> None:
+        """Forget the motion so far: time or odometry jumped. Maps and pose stay."""
+        self.laser.break_motion()
+        self.sonar_counts.unplaced += len(self._waiting)
+        self._waiting.clear()
+        self._history.clear()
+
+    def layers(self) -> Layers:
+        """Return all maps as they stand."""
+        laser, sonar = self.laser_map(), self.sonar_map()
+        return Layers(self._joined(laser, sonar), laser, sonar, self.glass_map())
+
+    def occupancy(self) -> OccupancyMap:
+        """Return the map to drive by; a robot without laser drives by the sonars' map."""
+        return self._joined(self.laser_map(), self.sonar_map())
+
+    def laser_map(self) -> OccupancyMap:
+        """Return what the laser alone says."""
+        return self._made("laser", self.laser.num_key_scans, self.laser.occupancy)
+
+    def sonar_map(self) -> OccupancyMap:
+        """Return what the sonars alone say, by the published rule."""
+        return self._made("sonar", self.sonar_counts.counted, self._sonar.occupancy)
+
+    def sonar_points(self) -> tuple[np.ndarray, SE2]:
+        """Return the points of the ultrasonic map; see `SonarGrid.points`."""
+        return self._sonar.points()
+
+    def glass_map(self) -> OccupancyMap:
+        """Return glass inferred: occupied there, unknown elsewhere."""
+        return self._fusion.glass()
+
+    @property
+    def num_changes(self) -> int:
+        """Grows whenever one of the maps may have changed."""
+        return self.laser.num_key_scans + self.sonar_counts.placed
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held by the localizer and the published grids."""
+        return self.laser.num_bytes + self._sonar.num_bytes
+
+    def _empty_layers(self) -> None:
+        self.sonar_counts = SonarCounts()
+        self._sonar = SonarGrid(self.config.sonar, self.config.resolution_m)
+        self._fusion: Fusion = make_fusion(self.config, self.laser_map, self.sonar_map)
+        self._keys: dict[str, KeyScans] = {}
+        self._history = PoseHistory()
+        self._waiting: list[_Waiting] = []
+        self._num_taken = 0
+        self._maps: dict[str, tuple[int, OccupancyMap]] = {}
+
+    def _made(self, name: str, version: int, make: Callable[[], OccupancyMap]) -> OccupancyMap:
+        """Return a map of this version, made once."""
+        if self._maps.get(name, (-1,))[0] != version:
+            self._maps[name] = (version, make())
+        return self._maps[name][1]
+
+    def _joined(self, laser: OccupancyMap, sonar: OccupancyMap) -> OccupancyMap:
+        has_laser = laser.cells.size > 0 and bool((laser.cells != UNKNOWN).any())
+        return self._fusion.occupancy(laser) if has_laser else sonar
+
+    def _place_waiting(self) -> None:
+        """Place the readings that the newest trusted scan has caught up with."""
+        newest_ns = self._history.newest_ns
+        if newest_ns is None:
+            return
+        max_gap_ns = round(self.config.sonar.max_pose_gap_s * 1e9)
+        while self._waiting and self._waiting[0].stamp_ns <= newest_ns:
+            w = heapq.heappop(self._waiting)
+            pose = self._history.at(w.stamp_ns, max_gap_ns)
+            if pose is None:
+                self.sonar_counts.unplaced += 1
+            else:
+                self.place_range(w.stamp_ns, w.reading, w.T_base_sonar, w.sensor, pose)
