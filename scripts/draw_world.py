@@ -30,7 +30,8 @@ def main(argv: list[str] | None = None) -> int:
         worlds = [load_world(name) for name in args.worlds or world_names()]
     except WorldError as error:
         raise UserError(str(error)) from error
-    out = open_out_dir("draw_world", worlds[0].name if len(worlds) == 1 else "all", args.out)
+    several = f"{len(worlds)}-worlds" if args.worlds else "all"
+    out = open_out_dir("draw_world", worlds[0].name if len(worlds) == 1 else several, args.out)
     with summary(out, command="draw_world", seed=args.seed, values={"worlds": {}}) as values:
         for world in worlds:
             path = out / f"{world.name.replace(':', '-')}.png"
@@ -39,7 +40,8 @@ def main(argv: list[str] | None = None) -> int:
             except WorldError as error:
                 raise UserError(str(error)) from error
             values["worlds"][world.name] = {"picture": path.name, "places": num}
-            say(f"{path}: measured from {num} places", is_quiet=args.quiet)
+            places = "1 place" if num == 1 else f"{num} places"
+            say(f"{path}: measured from {places}", is_quiet=args.quiet)
     return 0
 
 
