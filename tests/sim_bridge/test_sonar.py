@@ -99,7 +99,9 @@ def test_limits_are_reported_as_rep_117_says() -> None:
 
 
 def test_ranges_come_in_steps_with_the_noise_promised() -> None:
-    config = SonarConfig(count=64, noise_sd_m=0.03, noise_sd_share=0.02, miss_share=0.0)
+    config = SonarConfig(
+        count=64, period_s=0.64, noise_sd_m=0.03, noise_sd_share=0.02, miss_share=0.0
+    )
     rng = np.random.default_rng(0)
     fired = tuple(range(64))
     seen = [r.range for _ in range(60) for r in readings(config, np.full(64, 2.0), fired, rng)]
