@@ -110,7 +110,7 @@ def test_ranges_come_in_steps_with_the_noise_promised() -> None:
 
 
 def test_the_share_of_misses_is_the_one_promised() -> None:
-    config = SonarConfig(count=64, miss_share=0.1)
+    config = SonarConfig(count=64, period_s=0.64, miss_share=0.1)
     rng, fired = np.random.default_rng(0), tuple(range(64))
     seen = [r.range for _ in range(60) for r in readings(config, np.full(64, 2.0), fired, rng)]
     assert np.isinf(seen).mean() == pytest.approx(0.1, abs=0.015)
