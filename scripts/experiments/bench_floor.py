@@ -2,13 +2,20 @@
 
 Floor: one look-up of three channels, one opening with a square of five pixels, one labelling; our
 whole goes from the image to ranges, the floor's color followed. Peer: the usual pipeline of OpenCV,
-that is color range, opening, closing, labelling with areas, and a histogram over the cells.
+that is color range, opening, closing, labelling with areas, and a histogram over the cells. The
+last case is the node over DDS, from publishing an image to the arrival of its scan.
 """
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
+import tempfile
 from collections.abc import Callable
 from itertools import count
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -25,6 +32,7 @@ SIZES = ((256, 220), (640, 480), (1280, 960))
 NUM_CALLS = 400
 FRAME_NS = 33_333_333
 Calls = dict[str, Callable[[], object]]
+DOMAIN = 59
 PEER = "usual OpenCV pipeline"
 
 
@@ -44,7 +52,23 @@ def run(seed: int, say: Callable[[str], None]) -> list[Case]:
             "usual": _usual(detector, image), **stages, **bare,
         }  # fmt: skip
         cases += _cases(f"{width}x{height}", take_turns(calls, NUM_CALLS), stages, bare)
-    return cases
+    say("floor: 640 x 480 over DDS at 30 Hz")
+    return [*cases, _over_dds(seed)]
+
+
+def _over_dds(seed: int) -> Case:
+    """Time image in to free space out of the node, in a graph of its own."""
+    picture = next(scenes((640, 480), 1, seed)).picture
+    script = Path(__file__).with_name("floor_latency.py")
+    env = {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "picture.npy"
+        np.save(path, picture)
+        command = [sys.executable, str(script), str(path)]
+        answer = subprocess.run(command, env=env, check=True, capture_output=True, text=True)
+    found = json.loads(answer.stdout.splitlines()[-1])
+    extra = {"lost": found["lost"], "images": found["images"]}
+    return Case("640x480_over_dds", found["median_ms"], found["p99_ms"], extra=extra)
 
 
 def _cases(size: str, ms: dict[str, np.ndarray], stages: Calls, bare: Calls) -> list[Case]:
