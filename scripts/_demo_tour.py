@@ -19,7 +19,7 @@ from _demo_pictures import write_overview
 from _processes import ChildDiedError, Processes
 from _saying import saying
 from _tour_drivers import Driver
-from _tour_report import write_images, write_page, write_plan
+from _tour_report import changed_people_model, write_images, write_page, write_plan
 from _tour_ride import ride
 from _tour_watch import TourWatch
 from floornav_common.reporting import Progress, say
@@ -96,6 +96,7 @@ class Tour:
             "rtf": sim_s / self._wall_s if self._wall_s else None,
             "robots": robots,
             "people": max((len(people) for _, people in self._heard.people), default=0),
+            "people_model": changed_people_model(self._world),
             "bag": "bag" if bag.is_dir() and any(bag.iterdir()) else None,
             **({"problem": self.problem} if self.problem else {}),
         }

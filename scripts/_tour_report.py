@@ -67,6 +67,22 @@ def write_images(out: Path, robots: Mapping[str, RobotHeard]) -> list[Picture]:
     return pictures
 
 
+def changed_people_model(world: World) -> dict[str, list[Any]] | None:
+    """Return what a world changes of how people are: value and default by key; None if nothing."""
+    usual = vars(PeopleConfig())
+    changed = {k: [v, usual[k]] for k, v in vars(world.people_model).items() if v != usual[k]}
+    return changed or None
+
+
+def people_section(changed: Mapping[str, list[Any]] | None) -> list[Section]:
+    """Return the section that says what a world changes of how people are; none if nothing."""
+    if changed is None:
+        return []
+    rows = [[key, *map(str, values)] for key, values in changed.items()]
+    text = "This world's people are not those of sim_bridge/people/config.py:"
+    return [Section("People", [text, Table(["people_model", "here", "default"], rows)])]
+
+
 def write_page(
     out: Path,
     title: str,
@@ -113,6 +129,7 @@ def write_page(
         ),
         *([Section("Cameras", images)] if images else []),
         Section("Robots", [Table(header, rows)]),
+        *people_section(values["people_model"]),
     ]
     write_html(out, title, sections, "Simulated by sim_bridge, over DDS, in simulated time")
 
