@@ -28,6 +28,7 @@ EXPERIMENTS = {
     "sensor-models": "simulated sensors beside what their settings promise",
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
     "floor-images": "floor mask and free space on real pictures: --images DIR",
+    "velocity-avoidance": "driving round cubes with and without regard to velocity, seen by mirror",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
 }
 
