@@ -12,6 +12,7 @@ from recording_builders import (
     START_NS,
     data_file,
     drive,
+    range_message,
     scan_message,
     tf_message,
     transform,
@@ -22,6 +23,7 @@ from floornav_common.grid import OccupancyMap
 from floornav_common.reporting import UserError, run_command
 from floornav_common.se2 import SE2
 from grid_mapper.map_bag import main
+from grid_mapper.map_files import load_map
 from grid_mapper.map_pictures import _bounds, draw_map
 from grid_mapper.map_results import SUMMARY_KEYS
 from grid_mapper.trajectory_metrics import format_tum, load_tum
@@ -43,19 +45,26 @@ def room_ranges(x: float) -> np.ndarray:
     return np.minimum(np.abs(to_x), to_y)
 
 
-def room_bag(path, num_scans=20, storage="mcap"):
-    """Write a drive of 0.05 m a scan through the room, with odometry that is right."""
+def room_bag(path, num_scans=20, storage="mcap", sonar=None):
+    """Write a drive of 0.05 m a scan through the room, with odometry that is right.
+
+    With `sonar` a sonar to the left hears a pane at that distance, which the laser does not see.
+    """
     step_ns = NS // 10
     messages = [
         ("/tf_static", START_NS, tf_message(transform(START_NS, "base_link", "laser"))),
         ("/tf", START_NS, tf_message(transform(START_NS, "odom", "base_link"))),
     ]
+    left = tf_message(transform(START_NS, "base_link", "sonar_0", yaw=np.pi / 2.0))
+    messages += [] if sonar is None else [("/tf_static", START_NS, left)]
     for i in range(num_scans):
         stamp_ns, x = START_NS + i * step_ns, 0.05 * i
         scan = scan_message(stamp_ns, room_ranges(x))
         scan.angle_min, scan.angle_increment = -np.pi, 2 * np.pi / NUM_ROOM_BEAMS
         odom = tf_message(transform(stamp_ns, "odom", "base_link", x=x))
         messages += [("/scan", stamp_ns + 1, scan), ("/tf", stamp_ns + 2, odom)]
+        if sonar is not None:
+            messages.append(("/sonar", stamp_ns + 3, range_message(stamp_ns, sonar)))
     return write_bag(path, messages, storage)
 
 
@@ -246,3 +255,35 @@ def test_the_intel_lab_comes_out_far_better_than_its_odometry(tmp_path):
     summary = summary_of(tmp_path / "out")
     assert summary["relations_used"] == 108
     assert summary["relations_trans_m"] < 0.5  # raw odometry: 4.09 m
+
+
+def test_a_pane_that_only_a_sonar_hears_is_in_the_map_and_in_layers_of_its_own(tmp_path, capsys):
+    bag = room_bag(tmp_path / "room", 30, sonar=0.6)
+    config, out = tmp_path / "config.yaml", tmp_path / "out"
+    config.write_text("keepout_margin_m: 0.2\n")
+    assert run(bag, "--sonar-topic", "/sonar", "--config", config, "--out", out) == 0
+    layers = {"map_glass.yaml", "map_glass.pgm", "map_keepout.yaml", "map_keepout.pgm"}
+    assert {f.name for f in out.iterdir()} == RESULT_FILES | layers
+    summary = summary_of(out)
+    assert summary["ranges"] == 30 and summary["ranges_placed"] >= 29
+    assert summary["ranges_unplaced"] == 30 - summary["ranges_placed"]
+    glass = load_map(out / "map_glass.yaml")
+    points = glass.to_points(np.argwhere(glass.cells == 100))
+    assert summary["glass_cells"] == len(points) > 20
+    assert np.abs(points[:, 1] - 0.6).max() < 0.15
+    occupancy = load_map(out / "map.yaml")
+    assert occupancy.cells[tuple(occupancy.to_cells(np.array([[0.7, 0.6]]))[0])] == 100
+    assert "cells of glass" in capsys.readouterr().out
+    assert run(bag, "--out", tmp_path / "laser", "--quiet") == 0
+    assert {f.name for f in (tmp_path / "laser").iterdir()} == RESULT_FILES
+    assert summary_of(tmp_path / "laser")["glass_cells"] is None
+
+
+def test_a_fusion_that_this_version_lacks_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "grid_mapper.bayes_fusion", None)
+    config = tmp_path / "config.yaml"
+    config.write_text("fusion: bayes\n")
+    out = tmp_path / "out"
+    assert run(room_bag(tmp_path / "room", 3), "--config", config, "--out", out) == 2
+    error = capsys.readouterr().err
+    assert "use overlay" in error and error.count("\n") == 1 and not out.exists()

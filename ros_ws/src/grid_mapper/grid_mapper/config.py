@@ -193,6 +193,9 @@ class GridMapperConfig:
         0.2, "A scan that leaves a direction less certain than this says nothing of it.",
         unit="m", gt=0.0,
     )  # fmt: skip
+    keepout_margin_m: float = param(
+        0.3, "How far the saved keepout mask reaches round glass.", unit="m", ge=0.0, le=5.0
+    )
     match_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     map_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)

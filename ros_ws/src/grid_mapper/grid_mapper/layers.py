@@ -19,11 +19,11 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.fusion import Fusion, make_fusion
-from grid_mapper.key_scans import KeyScans
 from grid_mapper.localizer import ScanResult
 from grid_mapper.mapper import GridMapper
 from grid_mapper.pose_history import PoseHistory
 from grid_mapper.sonar_grid import SonarGrid
+from grid_mapper.sonar_keys import SonarKeys
 from grid_mapper.sonar_reading import Nothing, classify
 
 MAX_WAITING = 5000
@@ -158,7 +158,7 @@ class LayeredMapper:
         if isinstance(classify(reading), Nothing):
             self.sonar_counts.void += 1
             return
-        keys = self._keys.setdefault(sensor, KeyScans())
+        keys = self._keys.setdefault(sensor, SonarKeys())
         if keys.take(stamp_ns, T_map_base, self.config.sonar_key):
             self._sonar.add_range(reading, T_map_sonar)
             self.sonar_counts.counted += 1
@@ -214,7 +214,7 @@ class LayeredMapper:
         self.sonar_counts = SonarCounts()
         self._sonar = SonarGrid(self.config.sonar, self.config.resolution_m)
         self._fusion: Fusion = make_fusion(self.config, self.laser_map, self.sonar_map)
-        self._keys: dict[str, KeyScans] = {}
+        self._keys: dict[str, SonarKeys] = {}
         self._history = PoseHistory()
         self._waiting: list[_Waiting] = []
         self._num_taken = 0

@@ -19,9 +19,9 @@ from floornav_common.reporting import UserError
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.config_file import load_mapper_config
+from grid_mapper.layers import LayeredMapper
 from grid_mapper.map_results import SUMMARY_KEYS, MapInputs, write_results
 from grid_mapper.map_run import MapRun, run_mapper
-from grid_mapper.mapper import GridMapper
 from grid_mapper.recordings import (
     Recording,
     RecordingError,
@@ -45,7 +45,7 @@ def main(argv: list[str] | None = None) -> int:
         if args.list:
             say("\n".join(describe_recording(args.recording, options)))
             return 0
-        inputs = _inputs(args)
+        inputs, mapper = _inputs(args), LayeredMapper(config)
         recording = open_recording(args.recording, options)
     except (RecordingError, ValueError, OSError) as error:
         raise UserError(" ".join(str(error).split())) from error
@@ -54,10 +54,9 @@ def main(argv: list[str] | None = None) -> int:
     out = reporting.open_out_dir(COMMAND, _name(args.recording), args.out)
     values: dict[str, Any] = dict.fromkeys(SUMMARY_KEYS)
     with reporting.summary(out, command=COMMAND, seed=args.seed, values=values) as summary:
-        mapper = GridMapper(config)
         run = _run(args, recording, mapper)
         inputs.format, inputs.info = recording.format, tuple(recording.info)
-        text = write_results(out, inputs, recording, run, mapper.occupancy(), summary)
+        text = write_results(out, inputs, recording, run, mapper, summary)
     say(text, is_quiet=args.quiet)
     say(f"results: {out}", is_quiet=args.quiet)
     if summary["problem"] is not None:
@@ -94,7 +93,9 @@ def _add_input_options(parser: argparse.ArgumentParser) -> None:
     add("--scan-topic", metavar="TOPIC", help="LaserScan topic (default: the only one, or /scan)")
     add("--odom-topic", metavar="TOPIC", help="odometry from this topic instead of TF")
     add("--sonar-topic", metavar="TOPIC", action="append", default=[],
-        help="Range topic; may be given again")  # fmt: skip
+        help="Range topic of ultrasonic sensors; may be given again")  # fmt: skip
+    add("--sonar-pose", nargs=4, metavar=("FRAME", "X", "Y", "YAW"), action="append", default=[],
+        help="where the sonar of a frame sits on the robot (m, m, rad); one a frame")  # fmt: skip
     add("--laser-pose", type=float, nargs=3, metavar=("X", "Y", "YAW"),
         help="where the laser sits on the robot (m, m, rad)")  # fmt: skip
     add("--no-odom", action="store_true", help="map without odometry")
@@ -129,6 +130,7 @@ def _options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:
         scan_topic=args.scan_topic,
         odom_topic=args.odom_topic,
         sonar_topics=tuple(args.sonar_topic),
+        sonar_poses=tuple(_sonar_pose(*words) for words in args.sonar_pose),
         laser_pose=None if args.laser_pose is None else _laser_pose(*args.laser_pose),
         use_odom=not args.no_odom,
         base_frame=args.base_frame if args.base_frame is not None else _named(frames.base, "base"),
@@ -144,8 +146,22 @@ def _options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:
 
 
 def _laser_pose(x: float, y: float, yaw: float) -> SE2:
+    return _pose("--laser-pose", x, y, yaw)
+
+
+def _sonar_pose(frame: str, *words: str) -> tuple[str, SE2]:
+    try:
+        x, y, yaw = (float(word) for word in words)
+    except ValueError:
+        raise ValueError(
+            f"--sonar-pose: X Y YAW must be numbers (m, m, rad), got {' '.join(words)}"
+        ) from None
+    return frame.removeprefix("/"), _pose("--sonar-pose", x, y, yaw)
+
+
+def _pose(option: str, x: float, y: float, yaw: float) -> SE2:
     if not abs(yaw) <= 2.0 * math.pi:
-        raise ValueError(f"--laser-pose: YAW is in radians, from -2 pi to 2 pi, got {yaw:g}")
+        raise ValueError(f"{option}: YAW is in radians, from -2 pi to 2 pi, got {yaw:g}")
     return SE2(x, y, yaw)
 
 
@@ -166,7 +182,7 @@ def _inputs(args: argparse.Namespace) -> MapInputs:
     )
 
 
-def _run(args: argparse.Namespace, recording: Recording, mapper: GridMapper) -> MapRun:
+def _run(args: argparse.Namespace, recording: Recording, mapper: LayeredMapper) -> MapRun:
     total = recording.num_scans
     if args.max_scans is not None:
         total = min(total, args.max_scans) if total is not None else args.max_scans

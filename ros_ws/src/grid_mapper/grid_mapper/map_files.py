@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -71,13 +72,23 @@ def save_map(
     return yaml_path
 
 
-def free_prefix(prefix: Path | str) -> str:
-    """Return `prefix`, or `prefix-2`, `prefix-3` ... if a map of that name is there."""
+def free_prefix(prefix: Path | str, suffixes: Iterable[str] = ("",)) -> str:
+    """Return `prefix`, or `prefix-2`, `prefix-3` ... if a map of that name is there.
+
+    Args:
+        prefix: Path without ending.
+        suffixes: Behind each name, of maps that are saved together.
+    """
     for number in itertools.count(1):
         name = str(prefix) if number == 1 else f"{prefix}-{number}"
-        if not any(Path(f"{name}{ending}").exists() for ending in (".yaml", ".pgm", ".png")):
+        if not any(file.exists() for suffix in suffixes for file in map_paths(name + suffix)):
             return name
     raise AssertionError("unreachable")
+
+
+def map_paths(prefix: Path | str) -> list[Path]:
+    """Return the files that a map of this name may consist of."""
+    return [Path(f"{prefix}{ending}") for ending in (".yaml", ".pgm", ".png")]
 
 
 def load_map(path: Path | str) -> OccupancyMap:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from floornav_common.grid import FREE, UNKNOWN, OccupancyMap
+from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.se2 import SE2
 
 MARGIN_M = 1.0
@@ -16,12 +16,25 @@ WIDTH_INCH, TITLE_INCH, LEGEND_INCH = 10.0, 0.4, 0.4
 MIN_ASPECT, MAX_ASPECT = 0.3, 1.6
 """Of height to width; a longer or thinner map gets more of what is unknown around it."""
 DPI = 150
+GLASS_COLOR = "#d95f02"
 SHADE_UNKNOWN, SHADE_FREE, SHADE_OCCUPIED = 0.82, 1.0, 0.05
 ROUND_LENGTHS_M = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
 
 
-def draw_map(occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], title: str) -> bytes:
-    """Return a PNG of a map with the robot's way, its ends marked, and a scale bar."""
+def draw_map(
+    occupancy: OccupancyMap,
+    trajectory: Sequence[tuple[int, SE2]],
+    title: str,
+    glass: OccupancyMap | None = None,
+) -> bytes:
+    """Return a PNG of a map with the robot's way, its ends marked, and a scale bar.
+
+    Args:
+        occupancy: The map.
+        trajectory: Stamps and poses.
+        title: Line above.
+        glass: Layer whose obstacles are drawn in color.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.transforms import Affine2D
@@ -39,6 +52,7 @@ def draw_map(occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], tit
         _shades(occupancy), cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=size,
         transform=place, interpolation="antialiased",
     )  # fmt: skip
+    has_glass = glass is not None and _draw_glass(axes, glass)
     _draw_way(axes, trajectory)
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
@@ -47,7 +61,7 @@ def draw_map(occupancy: OccupancyMap, trajectory: Sequence[tuple[int, SE2]], tit
     axes.set_xticks([])
     axes.set_yticks([])
     _draw_scale(axes, left, bottom, right - left, top - bottom)
-    _draw_legend(figure, axes)
+    _draw_legend(figure, axes, has_glass)
     figure.text(
         0.5, 1.0 - 0.5 * TITLE_INCH / height_inch, title, fontsize=11, ha="center", va="center"
     )
@@ -92,18 +106,34 @@ def _draw_way(axes: Any, trajectory: Sequence[tuple[int, SE2]]) -> None:
         axes.plot(*point, "o", color=color, markersize=5, label=label)
 
 
-def _draw_legend(figure: Any, axes: Any) -> None:
+def _draw_glass(axes: Any, glass: OccupancyMap) -> bool:
+    """Color the cells of glass; False if there are none."""
+    from matplotlib.collections import PolyCollection
+
+    cells = np.argwhere(glass.cells == OCCUPIED)
+    if not len(cells):
+        return False
+    corners = np.array([(0, 0), (0, 1), (1, 1), (1, 0)])
+    points = glass.origin @ ((cells[:, None, ::-1] + corners).reshape(-1, 2) * glass.resolution)
+    squares = points.reshape(-1, 4, 2)
+    axes.add_collection(PolyCollection(squares, facecolors=GLASS_COLOR, edgecolors="none"))
+    return True
+
+
+def _draw_legend(figure: Any, axes: Any, has_glass: bool) -> None:
     """Say below the map what its lines and shades are."""
     from matplotlib.patches import Patch
 
-    shades = (
-        ("obstacle", SHADE_OCCUPIED), ("free", SHADE_FREE), ("unknown", SHADE_UNKNOWN),
-    )  # fmt: skip
+    shades = [
+        ("obstacle", str(SHADE_OCCUPIED)), ("free", str(SHADE_FREE)),
+        ("unknown", str(SHADE_UNKNOWN)),
+    ]  # fmt: skip
+    shades += [("glass, by sonar", GLASS_COLOR)] if has_glass else []
     lines, names = axes.get_legend_handles_labels()
-    patches = [Patch(facecolor=str(shade), edgecolor="black", label=n) for n, shade in shades]
+    patches = [Patch(facecolor=shade, edgecolor="black", label=n) for n, shade in shades]
     figure.legend(
         [*lines, *patches], [*names, *(name for name, _ in shades)], loc="lower center",
-        ncols=6, fontsize=9, frameon=False,
+        ncols=7, fontsize=9, frameon=False,
     )  # fmt: skip
 
 

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from floornav_common.grid import OccupancyMap
+from floornav_common.grid import OCCUPIED
 from floornav_common.report_page import Figures, Picture, Section, Table
 from floornav_common.reporting import write_atomic, write_html
-from grid_mapper.map_files import save_map
+from grid_mapper.glass_files import save_layers
+from grid_mapper.layers import LayeredMapper
+from grid_mapper.map_figures import relation_figures, screen_text, sonar_figures
 from grid_mapper.map_pictures import draw_map
 from grid_mapper.map_run import MapRun, peak_memory_mb
 from grid_mapper.recordings import Counts, Recording
-from grid_mapper.relations import Relation, RelationErrors, relation_errors
+from grid_mapper.relations import Relation, relation_errors
 from grid_mapper.trajectory_metrics import (
     Trajectory,
     format_tum,
@@ -25,15 +25,17 @@ from grid_mapper.trajectory_metrics import (
 
 SUMMARY_KEYS = (
     "scans", "scans_used", "scans_untrusted", "scans_without_transform", "stamps_backwards",
-    "stamps_repeated", "time_jumps", "malformed", "ranges", "path_m", "duration_s",
+    "stamps_repeated", "time_jumps", "malformed", "ranges", "ranges_placed", "ranges_counted",
+    "ranges_void", "ranges_unplaced", "glass_cells", "path_m", "duration_s",
     "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
     "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
     "relations_used", "relations_total", "relations_worst", "ate_m", "rpe_m", "gt_poses",
-    "ms_median", "ms_p99", "peak_mb", "input", "input_format", "input_info", "problem",
+    "ms_median", "ms_p99", "ms_per_range_median", "ms_per_range_p99", "peak_mb",
+    "input", "input_format", "input_info", "problem",
 )  # fmt: skip
 NO_MAP = "no scan had enough points to begin a map"
+NO_SONAR_MAP = "no sonar reading was an echo"
 PICTURE_TEXT = "black: obstacle, white: free, gray: unknown, blue: the robot's path"
-NUM_WORST = 5
 NUM_REASONS = 5
 
 
@@ -67,7 +69,7 @@ def write_results(
     inputs: MapInputs,
     recording: Recording,
     run: MapRun,
-    occupancy: OccupancyMap,
+    mapper: LayeredMapper,
     summary: dict[str, Any],
 ) -> str:
     """Write all files of a run and fill its summary.
@@ -75,17 +77,23 @@ def write_results(
     Returns:
         The figures as text for the screen.
     """
+    layers = mapper.layers()
+    occupancy = layers.occupancy
     summary.update(_figures(inputs, recording, run))
+    summary.update(sonar_figures(run, mapper, int((layers.glass.cells == OCCUPIED).sum())))
     write_atomic(out / "trajectory.tum", format_tum(run.trajectory))
     has_map = occupancy.cells.size > 0
     if has_map:
-        save_map(out / "map", occupancy)
+        save_layers(out / "map", layers, keepout_margin=mapper.config.keepout_margin_m)
+        what = "scans" if recording.has_laser else "sonar stamps"
         title = (
-            f"{inputs.title or inputs.name}: {len(run.trajectory)} scans, {summary['path_m']:.1f} m"
+            f"{inputs.title or inputs.name}: {len(run.trajectory)} {what},"
+            f" {summary['path_m']:.1f} m"
         )
-        write_atomic(out / "map.png", draw_map(occupancy, run.trajectory, title))
+        write_atomic(out / "map.png", draw_map(occupancy, run.trajectory, title, layers.glass))
     else:
-        nothing = NO_MAP if run.trajectory else none_used(recording.counts)
+        nothing = NO_MAP if recording.has_laser else NO_SONAR_MAP
+        nothing = nothing if run.trajectory else none_used(recording.counts)
         summary["problem"] = summary["problem"] or nothing
     is_whole = summary["problem"] is None and not run.is_interrupted
     summary.update(ok=is_whole, partial=not is_whole)
@@ -140,7 +148,7 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
     counts, stamps = recording.counts, [stamp_ns for stamp_ns, _ in run.trajectory]
     return {
         "scans": counts.scans,
-        "scans_used": len(run.trajectory),
+        "scans_used": len(run.trajectory) if recording.has_laser else 0,
         "scans_untrusted": len(run.untrusted),
         "scans_without_transform": counts.without_transform,
         "stamps_backwards": counts.stamps_backwards,
@@ -160,31 +168,6 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
     }
 
 
-def relation_figures(errors: RelationErrors) -> dict[str, Any]:
-    """Return mean, median, deviation and the worst of relation errors, by summary key."""
-    trans, rot = errors.translations, np.degrees(errors.rotations)
-    is_empty = len(trans) == 0
-    return {
-        "relations_trans_m": None if is_empty else float(np.mean(trans)),
-        "relations_trans_median_m": None if is_empty else float(np.median(trans)),
-        "relations_trans_std_m": None if is_empty else float(np.std(trans)),
-        "relations_rot_deg": None if is_empty else float(np.mean(rot)),
-        "relations_rot_median_deg": None if is_empty else float(np.median(rot)),
-        "relations_rot_std_deg": None if is_empty else float(np.std(rot)),
-        "relations_used": len(trans),
-        "relations_total": errors.num_total,
-        "relations_worst": [
-            {
-                "t1": relation.stamp1_ns * 1e-9,
-                "t2": relation.stamp2_ns * 1e-9,
-                "trans_m": translation,
-                "rot_deg": float(np.degrees(rotation)),
-            }
-            for relation, translation, rotation in errors.worst(NUM_WORST)
-        ],
-    }
-
-
 def _compare_truth(run: MapRun, truth: Trajectory, summary: dict[str, Any]) -> None:
     try:
         errors = trajectory_errors(run.trajectory, truth)
@@ -193,54 +176,6 @@ def _compare_truth(run: MapRun, truth: Trajectory, summary: dict[str, Any]) -> N
         _fail(summary, f"ground truth: {error}")
         return
     summary.update(ate_m=errors.ate, rpe_m=errors.rpe, gt_poses=errors.num_compared)
-
-
-def screen_text(summary: dict[str, Any]) -> str:
-    """Return the figures of a run as lines for the screen."""
-    s = summary
-    lines = [
-        f"scans: {s['scans']}, used {s['scans_used']}, not trusted {s['scans_untrusted']};"
-        f" way {s['path_m']:.1f} m in {s['duration_s']:.1f} s"
-    ]
-    if s["ms_median"] is not None:
-        lines.append(
-            f"time per scan: median {s['ms_median']:.2f} ms, p99 {s['ms_p99']:.2f} ms;"
-            f" memory at most {s['peak_mb']:.0f} MB"
-        )
-    odd = {
-        "without transform": s["scans_without_transform"], "stamps going back":
-        s["stamps_backwards"], "stamps repeated": s["stamps_repeated"], "jumps back in time":
-        s["time_jumps"], "malformed": s["malformed"],
-    }  # fmt: skip
-    if any(odd.values()):
-        lines.append("met: " + ", ".join(f"{n} {name}" for name, n in odd.items() if n))
-    if s["ranges"]:
-        lines.append(f"sonar readings met: {s['ranges']} (the map is the laser's alone)")
-    lines.extend(_relation_lines(s))
-    if s["ate_m"] is not None:
-        lines.append(f"ATE {s['ate_m']:.4f} m, RPE {s['rpe_m']:.4f} m ({s['gt_poses']} poses)")
-    return "\n".join(lines)
-
-
-def _relation_lines(s: dict[str, Any]) -> list[str]:
-    if s["relations_used"] is None:
-        return []
-    lines = [f"relations: {s['relations_used']} of {s['relations_total']} matched"]
-    if s["relations_used"]:
-        for key, unit in (("trans", "m"), ("rot", "deg")):
-            mean, median, std = (
-                s[f"relations_{key}{what}_{unit}"] for what in ("", "_median", "_std")
-            )
-            name = "translation" if key == "trans" else "rotation"
-            lines.append(
-                f"  {name}: mean {mean:.4f} {unit}, median {median:.4f}, deviation {std:.4f}"
-            )
-        lines.extend(
-            f"  worst: {w['trans_m']:.3f} m, {w['rot_deg']:.2f} deg"
-            f" from {w['t1']:.3f} s to {w['t2']:.3f} s"
-            for w in s["relations_worst"]
-        )
-    return lines
 
 
 def _sections(out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun) -> list[Section]:

@@ -1,4 +1,4 @@
-"""The offline mapping run: a recording's scans through the mapper, one after the other."""
+"""The offline mapping run: a recording's events through the mapper, one after the other."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from typing import Protocol
 
 import numpy as np
 
+from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.stop_signals import noticed_stop
-from grid_mapper.recordings import Recording, ScanEvent
+from grid_mapper.recordings import RangeEvent, Recording, ScanEvent
 
 
 class ScanOutcome(Protocol):
@@ -45,6 +46,18 @@ class ScanMapper(Protocol):
         """Localize and map one scan."""
         ...
 
+    def insert_range(
+        self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str
+    ) -> None:
+        """Map one sonar reading at the pose that the scans round it say."""
+        ...
+
+    def place_range(
+        self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str, T_map_base: SE2
+    ) -> None:
+        """Map one sonar reading at a known pose."""
+        ...
+
     def break_motion(self) -> None:
         """Go on after the recording's time jumped back."""
         ...
@@ -55,18 +68,24 @@ class MapRun:
     """What a run has found so far.
 
     Attributes:
-        trajectory: Stamp (ns) and pose of every scan that was used, as it came.
+        trajectory: Stamp (ns) and pose of every scan that was used, as it came; without a laser
+            of every stamp of a reading.
         untrusted: Stamp (ns) and reason of every scan whose match was not trusted.
         scan_ms: Time the mapper took for each scan, ms.
-        num_ranges: Readings of sonars met on the way.
+        range_ms: Time the mapper took for each sonar reading, ms.
         is_interrupted: True after Ctrl-C.
     """
 
     trajectory: list[tuple[int, SE2]] = field(default_factory=list)
     untrusted: list[tuple[int, str]] = field(default_factory=list)
     scan_ms: list[float] = field(default_factory=list)
-    num_ranges: int = 0
+    range_ms: list[float] = field(default_factory=list)
     is_interrupted: bool = False
+
+    @property
+    def num_ranges(self) -> int:
+        """Readings of sonars met on the way."""
+        return len(self.range_ms)
 
     def ms_quantile(self, share: float) -> float | None:
         """Return a quantile of the time per scan, ms; None before the first scan."""
@@ -83,7 +102,7 @@ def run_mapper(
 
     Args:
         recording: Its events are taken.
-        mapper: Given every scan, in order, none left out.
+        mapper: Given every scan and sonar reading, in order, none left out.
         max_scans: Stop after so many; None for all.
         on_scan: Called after each scan.
     """
@@ -95,7 +114,7 @@ def run_mapper(
                 if run.is_interrupted:
                     break
                 if not isinstance(event, ScanEvent):
-                    run.num_ranges += 1
+                    _insert_range(run, mapper, event, recording.has_laser)
                     continue
                 if max_scans is not None and len(run.trajectory) >= max_scans:
                     break
@@ -115,6 +134,20 @@ def _insert(run: MapRun, mapper: ScanMapper, event: ScanEvent) -> None:
     run.trajectory.append((event.stamp_ns, result.T_map_base))
     if not result.is_trusted:
         run.untrusted.append((event.stamp_ns, result.reason))
+
+
+def _insert_range(run: MapRun, mapper: ScanMapper, event: RangeEvent, has_laser: bool) -> None:
+    """Hand over a reading; without a laser odometry, or its absence, is the robot's pose."""
+    reading = (event.stamp_ns, event.reading, event.T_base_sonar, event.frame)
+    pose = event.T_odom_base if event.T_odom_base is not None else SE2.identity()
+    started = time.perf_counter()
+    if has_laser:
+        mapper.insert_range(*reading)
+    else:
+        mapper.place_range(*reading, pose)
+        if not run.trajectory or run.trajectory[-1][0] != event.stamp_ns:
+            run.trajectory.append((event.stamp_ns, pose))
+    run.range_ms.append(1e3 * (time.perf_counter() - started))
 
 
 def peak_memory_mb() -> float:

@@ -200,6 +200,9 @@ class Lockstep:
     def _sensor_pose(self, frame: str, is_scan: bool, stamp_ns: int) -> Transform3:
         if is_scan and self._options.laser_pose is not None:
             return Transform3.from_se2(self._options.laser_pose)
+        given = dict(self._options.sonar_poses)
+        if not is_scan and plain(frame) in given:
+            return Transform3.from_se2(given[plain(frame)])
         base = self._choice.base_frame
         if plain(frame) == base:
             return Transform3.identity()
@@ -236,7 +239,7 @@ def open_bag_recording(path: Path, options: RecordingOptions) -> Recording:
     except BaseException:
         bag.close()
         raise
-    num_scans = bag.topics[choice.scan_topic].num_messages
+    num_scans = bag.topics[choice.scan_topic].num_messages if choice.scan_topic else 0
 
     def source(recording: Recording) -> Iterator[Event]:
         with bag:
@@ -250,8 +253,8 @@ def _events(
     bag: Bag, choice: Choice, options: RecordingOptions, recording: Recording
 ) -> Iterator[Event]:
     lockstep = Lockstep(choice, options, recording)
-    topics = {choice.scan_topic, *choice.sonar_topics, *choice.tf_topics}
-    topics |= {choice.odom_topic} if choice.odom_topic else set()
+    single = {name for name in (choice.scan_topic, choice.odom_topic) if name}
+    topics = {*single, *choice.sonar_topics, *choice.tf_topics}
     for message in bag.messages(topics):
         try:
             content = bag.deserialize(message)

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
 from grid_mapper.recordings.events import RangeEvent
-from grid_mapper.scan_cleaning import clean_scan
+from grid_mapper.sonar_mount import level_sonar
 
 StampedTransform = tuple[str, str, int, tuple[float, ...], tuple[float, ...]]
 
@@ -49,19 +45,18 @@ def odometry_from(message: Any) -> Transform3:
 def range_event(
     stamp_ns: int, message: Any, T_base_sonar: Transform3, T_odom_base: SE2 | None
 ) -> RangeEvent:
-    """Return the event of a Range; its value is cleaned as a scan of one beam is."""
-    reach = Scan(
-        np.array([message.range], dtype=np.float64), 0.0, 0.0,
-        float(message.min_range), float(message.max_range),
-    )  # fmt: skip
-    value = float(clean_scan(replace(reach)).ranges[0])
+    """Return the event of a Range, its value as it was sent.
+
+    Raises:
+        ValueError: If the sonar looks at the floor or the ceiling.
+    """
     return RangeEvent(
         stamp_ns=stamp_ns,
         frame=str(message.header.frame_id),
-        range=value,
-        range_min=reach.range_min,
-        range_max=reach.range_max,
+        range=float(message.range),
+        range_min=float(message.min_range),
+        range_max=float(message.max_range),
         fov=float(message.field_of_view),
-        T_base_sonar=T_base_sonar.to_se2(),
+        T_base_sonar=level_sonar(T_base_sonar),
         T_odom_base=T_odom_base,
     )

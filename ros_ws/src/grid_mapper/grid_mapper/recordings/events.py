@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 
@@ -40,7 +41,7 @@ class RangeEvent:
     Attributes:
         stamp_ns: Time of the reading, ns.
         frame: Frame of the sensor; tells sonars of one topic apart.
-        range: Measured distance, m; `+inf` nothing within range, NaN not measured.
+        range: As the driver sent it, m; `sonar_reading.classify` says what it means.
         range_min: Shortest distance that is a measurement, m.
         range_max: Longest distance that is a measurement, m.
         fov: Opening angle of the cone, rad.
@@ -56,6 +57,11 @@ class RangeEvent:
     fov: float
     T_base_sonar: SE2
     T_odom_base: SE2 | None
+
+    @property
+    def reading(self) -> RangeReading:
+        """The reading by itself."""
+        return RangeReading(self.range, self.fov, self.range_min, self.range_max)
 
 
 Event = ScanEvent | RangeEvent
@@ -90,6 +96,7 @@ class RecordingOptions:
         scan_topic: LaserScan topic of a bag.
         odom_topic: Odometry topic of a bag.
         sonar_topics: Range topics of a bag; empty reads none.
+        sonar_poses: Frames of sonars with their poses on the robot; beat the recording.
         laser_pose: Pose of the laser on the robot; beats the recording.
         use_odom: False where odometry shall not be read.
         base_frame: Frame of the robot in a bag; None for base_link, or what the bag has instead.
@@ -102,6 +109,7 @@ class RecordingOptions:
     scan_topic: str | None = None
     odom_topic: str | None = None
     sonar_topics: tuple[str, ...] = ()
+    sonar_poses: tuple[tuple[str, SE2], ...] = ()
     laser_pose: SE2 | None = None
     use_odom: bool = True
     base_frame: str | None = None
@@ -146,7 +154,8 @@ class Recording:
     Attributes:
         format: Name of the format, such as `CARMEN log`.
         info: Lines for the user: which topics, frames and odometry are used, and why.
-        num_scans: Scans to expect, for progress; None where not known beforehand.
+        num_scans: Scans to expect, for progress; None where not known beforehand, 0 where there is
+            no laser: then `T_odom_base` of the ranges is all that says where the robot is.
         counts: Filled while the events are taken.
         problem: Why reading stopped early; None if the recording is whole.
     """
@@ -157,6 +166,11 @@ class Recording:
     num_scans: int | None = None
     counts: Counts = field(default_factory=Counts)
     problem: str | None = None
+
+    @property
+    def has_laser(self) -> bool:
+        """Whether there are scans by which the robot is localized."""
+        return self.num_scans != 0
 
     def events(self) -> Iterator[Event]:
         """Yield the events in lockstep order; take them once."""

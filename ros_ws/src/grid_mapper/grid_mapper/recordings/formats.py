@@ -11,6 +11,12 @@ from grid_mapper.recordings.carmen import CARMEN_KINDS, open_carmen
 from grid_mapper.recordings.events import Recording, RecordingError, RecordingOptions
 from grid_mapper.recordings.mines_rover import is_mines_rover, open_mines_rover
 from grid_mapper.recordings.posegraph import open_posegraph
+from grid_mapper.recordings.sonar_logs import (
+    eight_sonars_file,
+    is_sonar_ring,
+    open_eight_sonars,
+    open_sonar_ring,
+)
 from grid_mapper.recordings.text_lines import read_head, read_lines
 from grid_mapper.recordings.wean_hall import is_wean_hall, open_wean_hall
 
@@ -19,7 +25,8 @@ NUM_LINES_BEHIND = 20
 SUPPORTED = (
     "rosbag2 (sqlite3 or mcap, compressed or not), ROS 1 bag, CARMEN log (FLASER, ROBOTLASER1,"
     " RAWLASER1), pose-graph log (VERTEX2, ROBOTLASER1, EDGE2), Wean Hall log (O, L), Mines rover"
-    " log (707 columns); text logs plain or gzip"
+    " log (707 columns), SCITOS ring of sonars (S1..S24 CSV), eight sonars (measurement.txt beside"
+    " poses.txt); text logs plain or gzip"
 )
 
 
@@ -42,6 +49,9 @@ def open_recording(path: str | Path, options: RecordingOptions | None = None) ->
         raise RecordingError(f"{path} does not exist")
     if path.is_file() and path.stat().st_size == 0:
         raise RecordingError(f"{path} is empty")
+    eight_sonars = eight_sonars_file(path)
+    if eight_sonars is not None:
+        return open_eight_sonars(eight_sonars, options)
     if is_bag(path):
         return open_bag_recording(path, options)
     opener = _log_opener(path)
@@ -75,4 +85,6 @@ def _opener_of(words: list[str]) -> Opener | None:
         return open_carmen
     if is_wean_hall(words):
         return open_wean_hall
+    if is_sonar_ring(words):
+        return open_sonar_ring
     return open_mines_rover if is_mines_rover(words) else None
