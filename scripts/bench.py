@@ -32,6 +32,7 @@ JOBS = {
     "map_update": "a scan into the map, beside a plain ray trace",
     "simulation": "real-time factor by sensor set, and a frame beside the bare pybullet call",
     "floor": "from image to free space, beside bare OpenCV passes",
+    "avoidance": "from a scan to a command, beside the same in plain numpy",
     "messages": "images and grids to and from messages, and between processes",
 }
 HEADER = ["case", "median ms", "p99 ms", "peer", "peer ms", "ratio", "floor ms", "more"]

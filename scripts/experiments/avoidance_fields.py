@@ -1,7 +1,7 @@
 """Fields of cubes on the small-size field: one as in the paper's Fig. 9, and random ones by seed.
 
-The figure's coordinates are not in the text: ours has the robot, a first cube in its way and two
-more behind, with the goal hidden behind all of them.
+The figure's coordinates are not in the text: ours has two cubes to drive between and one in the way
+to the goal behind it.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Field:
 
 def figure_9() -> Field:
     """Return the layout that stands for the paper's Fig. 9."""
-    cubes = np.array([[0.15, 0.03, 0.2], [0.55, -0.32, -0.4], [0.60, 0.36, 0.6]])
+    cubes = np.array([[0.50, 0.03, 0.2], [0.05, -0.50, -0.4], [0.10, 0.52, 0.6]])
     return Field("figure 9", (-1.15, 0.0), (1.15, 0.0), cubes)
 
 

@@ -17,11 +17,11 @@ from sim_bridge.simulation import STEP_NS, Simulation
 from sjmc_planner.planning import REACHED, STILL, Goal, Method, Obstacles, RobotState, Velocity
 
 PERIOD_S = 0.04  # the paper's mean cycle
-LIMIT_S = 40.0
+LIMIT_S = 60.0
 TURN_RAD = math.radians(5.0)
 TRACK_S = 1.0 / 3.0
 _MOVING = 0.05
-_GIVE_UP_S = 6.0
+_GIVE_UP_S, _NEARER_M = 10.0, 0.05  # without coming nearer to the goal than ever before
 Perception = Callable[[np.ndarray, int], Scan | None]
 
 
@@ -85,7 +85,8 @@ class _Driver:
         self._velocity, self._command = STILL, STILL
         self._odometry = self._asked_at = SE2.identity()
         self._path: list[tuple[float, float]] = [field.start]
-        self._clearance, self._turn_start, self._moved_at = math.inf, None, 0.0
+        self._clearance, self._turn_start = math.inf, None
+        self._nearest, self._nearer_at = math.inf, 0.0
 
     def run(self) -> Run:
         steps_per_cycle = round(PERIOD_S / (STEP_NS * 1e-9))
@@ -101,7 +102,7 @@ class _Driver:
             if seen.omni is None:
                 continue
             is_reached = self._decide(seen)
-            if is_reached or self._time_s - self._moved_at > _GIVE_UP_S:
+            if is_reached or self._time_s - self._nearer_at > _GIVE_UP_S:
                 break
             sent = drive.Velocity(self._command.x, self._command.yaw_rate, self._command.y)
         return self._result(is_reached, has_collided)
@@ -133,12 +134,12 @@ class _Driver:
         near = min(float(s.signed_distance(here)[0]) for s in self._solids) - ROBOT_RADIUS
         self._clearance = min(self._clearance, near)
         self._path.append((pose.x, pose.y))
-        speed = math.hypot(velocity.speed, velocity.side_speed)
-        if speed < _MOVING:
-            return
-        self._moved_at = self._time_s
-        bearing = math.atan2(velocity.side_speed, velocity.speed) + pose.yaw
         x, y = self._field.goal[0] - pose.x, self._field.goal[1] - pose.y
+        if math.hypot(x, y) < self._nearest - _NEARER_M:
+            self._nearest, self._nearer_at = math.hypot(x, y), self._time_s
+        if math.hypot(velocity.speed, velocity.side_speed) < _MOVING:
+            return
+        bearing = math.atan2(velocity.side_speed, velocity.speed) + pose.yaw
         off = math.remainder(bearing - math.atan2(y, x), 2.0 * math.pi)
         if self._turn_start is None and abs(off) > TURN_RAD:
             self._turn_start = self._time_s

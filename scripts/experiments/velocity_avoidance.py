@@ -37,7 +37,7 @@ MODES = ("omni_velocity", "omni_static")
 SETTINGS = ("default", "paper")
 CAMERA = "soccer_small_size"
 RENDERED = {"samples": 1}
-PAPER_RADIUS_PX = 105.0
+PAPER_RADIUS_PX = 95.0
 NUM_FIELDS, NUM_QUICK = 200, 8
 HEADER = [
     "template and rule", "mode", "runs", "collisions", "reached", "time s", "path m",

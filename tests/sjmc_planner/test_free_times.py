@@ -5,8 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sjmc_planner.free_times import can_stop, free_times, straight_free_times
-from sjmc_planner.limited_motion import limited_position
+from sjmc_planner.free_times import (
+    _bearing,
+    can_stop,
+    first_stoppable,
+    free_times,
+    straight_free_times,
+)
+from sjmc_planner.limited_motion import limited_position, limited_velocity
 
 N = 360
 DT = 0.01
@@ -77,3 +83,25 @@ def test_stopping_needs_its_way():
 
 def test_who_stands_can_stop_anywhere():
     assert can_stop(0.0, 0.0, 0.0, 0.0, 0.3, 0.1, np.zeros(N))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_first_stoppable_is_the_first_that_can_stop_a_cycle_later(seed):
+    rng = np.random.default_rng(seed)
+    table, va, t = rng.uniform(0.05, 0.6, N), rng.uniform(-0.4, 0.4, 2), rng.uniform(0.02, 1.5)
+    bearings = 2.0 * np.pi * np.arange(24) / 24
+    vb, order = 0.4 * np.column_stack((np.cos(bearings), np.sin(bearings))), rng.permutation(24)
+    expected = -1
+    for j in order:
+        x, y = limited_position(va, vb[j], 0.3, 0.03, t)
+        if can_stop(x, y, *limited_velocity(va, vb[j], 0.3, t), 0.3, 0.03, table):
+            expected = j
+            break
+    assert first_stoppable(order, va, vb, 0.3, 0.03, t, table) == expected
+
+
+def test_the_quick_bearing_is_right_in_every_quadrant():
+    angles = np.linspace(-np.pi, np.pi, 2001)
+    found = [_bearing(0.7 * np.sin(a), 0.7 * np.cos(a)) for a in angles[1:-1]]
+    assert found == pytest.approx(angles[1:-1], abs=1.3e-5)
+    assert _bearing(0.0, 0.0) == 0.0 and _bearing(0.0, -1.0) == pytest.approx(np.pi)

@@ -12,12 +12,24 @@ import numpy as np
 
 
 @numba.njit(cache=True, nogil=True, inline="always")
+def _bearing(y, x):  # type: ignore[no-untyped-def]
+    """Return atan2(y, x) to 1.2e-5 rad, for less (Abramowitz and Stegun 1964, 4.4.47)."""
+    ax, ay = abs(x), abs(y)
+    z = min(ax, ay) / max(ax, ay, 1e-300)
+    z2 = z * z
+    a = ((((0.0208351 * z2 - 0.0851330) * z2 + 0.1801410) * z2 - 0.3302995) * z2 + 0.9998660) * z
+    a = 0.5 * np.pi - a if ay > ax else a
+    a = np.pi - a if x < 0.0 else a
+    return -a if y < 0.0 else a
+
+
+@numba.njit(cache=True, nogil=True, inline="always")
 def _is_inside(x, y, nearest2, table):  # type: ignore[no-untyped-def]
     r2 = x * x + y * y  # eq. 13
     if r2 < nearest2:
         return True
     num = len(table)
-    entry = int(np.rint(np.arctan2(y, x) * (num / (2.0 * np.pi)))) % num  # eq. 14
+    entry = int(np.rint(_bearing(y, x) * (num / (2.0 * np.pi)))) % num  # eq. 14
     return r2 < table[entry] * table[entry]
 
 
@@ -94,3 +106,29 @@ def can_stop(x, y, vx, vy, accel, idle_time, table):  # type: ignore[no-untyped-
         if not _is_inside(x + along * vx, y + along * vy, 0.0, table):
             return False
     return True
+
+
+@numba.njit(cache=True, nogil=True)
+def first_stoppable(order, va, vb, accel, idle_time, t, table):  # type: ignore[no-untyped-def]
+    """Return the first direction from which, a time later, the robot can still stop; -1 if none.
+
+    Args:
+        order: Indices into `vb` in the order to try, shape (J,).
+        va: Velocity now, shape (2,), m/s.
+        vb: Velocities commanded, shape (J, 2), m/s.
+        accel: Limit of acceleration and braking, m/s^2.
+        idle_time: Time until a command acts, s.
+        t: How long the command is in force before the next one, s.
+        table: As for `can_stop`.
+    """
+    for j in order:
+        dx, dy = vb[j, 0] - va[0], vb[j, 1] - va[1]
+        length = np.hypot(dx, dy)
+        rising = min(t, length / accel)
+        share = accel * rising / max(length, 1e-12)  # of dv reached: eq. 10
+        vx, vy = va[0] + share * dx, va[1] + share * dy
+        bend = share * (t - 0.5 * rising)  # eq. 12 once more: the integral of eq. 10
+        x, y = va[0] * (t + idle_time) + bend * dx, va[1] * (t + idle_time) + bend * dy
+        if can_stop(x, y, vx, vy, accel, idle_time, table):
+            return j
+    return -1

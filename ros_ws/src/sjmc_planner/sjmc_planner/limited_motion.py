@@ -6,6 +6,8 @@ t_a = |dv| / alpha both cases give v_a (t_a + dt) + dv t_a / 2 there, and the mo
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from floornav_common.se2 import SE2
@@ -59,7 +61,7 @@ def limited_position(
 
 def stopping_speed(distance: float, accel: float, idle_time: float) -> float:
     """Return the speed from which a robot stops within a distance: v dt + v^2 / (2 alpha) = d."""
-    return accel * (float(np.sqrt(idle_time**2 + 2.0 * max(distance, 0.0) / accel)) - idle_time)
+    return accel * (math.sqrt(idle_time**2 + 2.0 * max(distance, 0.0) / accel) - idle_time)
 
 
 def ramped(last: Velocity, wanted: Velocity, robot: RobotConfig, dt: float) -> Velocity:

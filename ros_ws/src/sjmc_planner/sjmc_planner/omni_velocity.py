@@ -28,9 +28,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sjmc_planner.config import OmniConfig, RobotConfig
-from sjmc_planner.free_times import can_stop, free_times, straight_free_times
+from sjmc_planner.free_times import first_stoppable, free_times, straight_free_times
 from sjmc_planner.growth import GrownSpace, grow, wedges_of
-from sjmc_planner.limited_motion import limited_position, limited_velocity, stopping_speed
+from sjmc_planner.limited_motion import limited_position, stopping_speed
 from sjmc_planner.near_memory import NearMemory
 from sjmc_planner.planning import (
     BLOCKED,
@@ -155,7 +155,7 @@ class OmniVelocity:
             times = self._free_times(state.velocity, speed, clear_time, space)
             order = self._order(times, state, goal, clear_time)
             best = order[0]
-            off = abs(_wrapped(self._bearings[best] - goal.bearing))
+            off = abs(math.remainder(float(self._bearings[best]) - goal.bearing, 2.0 * math.pi))
             if times[best] >= clear_time and off <= self._config.detour_rad:
                 break
         return speed, times, order
@@ -204,13 +204,12 @@ class OmniVelocity:
             return self._unicycle.first_stoppable(
                 order, state.velocity, self._bearings, speed, t, space.known
             )
-        va, vb = np.array([state.velocity.x, state.velocity.y]), speed * self._units[order]
-        places = limited_position(va, vb, robot.accel_m_s2, robot.idle_time_s, t)
-        velocities = limited_velocity(va, vb, robot.accel_m_s2, t)
-        for j, (x, y), (vx, vy) in zip(order, places, velocities, strict=True):
-            if can_stop(x, y, vx, vy, robot.accel_m_s2, robot.idle_time_s, space.known):
-                return int(j)
-        return -1
+        va = np.array([state.velocity.x, state.velocity.y])
+        return int(
+            first_stoppable(
+                order, va, speed * self._units, robot.accel_m_s2, robot.idle_time_s, t, space.known
+            )
+        )
 
     def _decision(
         self, chosen: int, times: np.ndarray, state: RobotState, speed: float
