@@ -66,17 +66,15 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Drive all fields, write pictures, and return the report."""
     num = NUM_QUICK if args.quick else args.fields
     values["runs_of_each"] = num
-    tasks = [
-        (args.seed, number, setting, mode)
-        for number in range(-1, num)
-        for setting in SETTINGS
-        for mode in MODES
-    ]
+    cases = [(setting, mode) for setting in SETTINGS for mode in MODES]
+    tasks = [(args.seed, -1, *case) for case in cases]
+    tasks += [(args.seed, number, *case) for case in cases for number in range(num)]
     runs: dict[Task, Run] = {}
     with Progress("velocity-avoidance", len(tasks), is_quiet=args.quiet) as progress:
         for task, done in _driven(tasks, args.jobs):
             runs[task] = done
-            note = f"{len(runs)} of {len(tasks)} drives"
+            num_touched = sum(r.has_collided for r in runs.values())
+            note = f"{len(runs)} of {len(tasks)} drives, {num_touched} touched something"
             progress.update(len(runs), note, is_last=len(runs) == len(tasks))
             _fill(values, runs)
     return _sections(args, values, runs)
