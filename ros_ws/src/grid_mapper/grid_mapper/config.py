@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import pi
 
 from floornav_common.config import param, validate
+from grid_mapper.node_config import GridMapperNodeConfig as GridMapperNodeConfig
 from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
 
 
@@ -204,30 +205,6 @@ class GridMapperConfig:
     log_odds: LogOddsConfig = field(default_factory=LogOddsConfig)
     sonar: SonarConfig = field(default_factory=SonarConfig)
     sonar_key: SonarKeyConfig = field(default_factory=SonarKeyConfig)
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-@dataclass(frozen=True, kw_only=True)
-class GridMapperNodeConfig:
-    """What the node adds to the mapper."""
-
-    publish_tf: bool = param(True, "Publish map->odom while nobody else does.", read_only=True)
-    use_odom: bool = param(
-        True, "Start each match from odometry; false expects steady motion.", read_only=True
-    )
-    map_period_s: float = param(
-        1.0, "The map is published at most this often.", unit="s", gt=0.0, read_only=True
-    )
-    map_file: str = param("", "Where ~/save_map writes, without ending; empty for a new name.")
-    map_mode: str = param(
-        "trinary", "What ~/save_map keeps of a cell.", choices=("trinary", "scale", "raw")
-    )
-    scan_timeout_s: float = param(2.0, "Silence after which the scan is missed.", unit="s", gt=0.0)
-    lost_after_s: float = param(
-        3.0, "The robot is lost when no scan was trusted for this long.", unit="s", gt=0.0
-    )
 
     def __post_init__(self) -> None:
         validate(self)

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 
+from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.mapper import GridMapper
+from grid_mapper.layers import LayeredMapper
 
 
-def compile_kernels() -> None:
-    """Map two scans of a square by both rules; compiled code is kept on disk."""
+def compile_kernels(fusion: str = "overlay") -> None:
+    """Map two scans and echoes in a square by both grid rules; compiled code is kept on disk.
+
+    Args:
+        fusion: Method whose kernels are wanted.
+    """
     angles = np.linspace(-np.pi, np.pi, 180, endpoint=False)
     ranges = 2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
     scan = Scan(ranges, -np.pi, 2.0 * np.pi / 180, 0.1, 10.0)
+    here = SE2.identity()
     for grid in ("label", "log_odds"):
-        mapper = GridMapper(GridMapperConfig(grid=grid))
+        mapper = LayeredMapper(GridMapperConfig(grid=grid, fusion=fusion))
         for step in range(2):
-            mapper.insert_scan(step, scan, SE2.identity(), SE2(0.5 * step, 0.0, 0.0))
-        mapper.occupancy()
+            mapper.insert_range(step, RangeReading(1.0, 0.3, 0.1, 4.0), here, "sonar")
+            mapper.insert_scan(step, scan, here, SE2(0.5 * step, 0.0, 0.0))
+        mapper.layers()

@@ -1,0 +1,83 @@
+"""The maps that the mapping node publishes, all latched: the whole, and each layer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from nav_msgs.msg import OccupancyGrid
+
+from floornav_common.grid import OccupancyMap
+from floornav_common.ros import messages
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.qos import LATCHED_QOS, create_publisher, create_subscription
+from grid_mapper.layers import Layers
+from grid_mapper.map_resampling import obstacles_on
+from grid_mapper.ros_conversions import empty_map
+
+
+class MapOutputs:
+    """Publishes `map`, `map/laser`, `map/sonar` and `map/glass`.
+
+    A layer that has no cells is not published. With a reference map `map/glass` waits for it and
+    is on its cells from then on, also before there is any glass.
+
+    Args:
+        node: The node.
+        has_map: False where `map` is somebody else's, and only layers are published.
+        reference: Topic of the reference map; "" for none.
+        warn: Called with what to say, throttled.
+
+    Attributes:
+        has_news: True when the glass has to be published anew, for the reference map changed.
+    """
+
+    def __init__(
+        self, node: FloornavNode, has_map: bool, reference: str, warn: Callable[[str], None]
+    ) -> None:
+        """Make the publishers, and listen for the reference map."""
+        self._node, self._warn = node, warn
+        self.has_news = False
+        self._reference: OccupancyMap | None = None
+        self._waits_for_reference = bool(reference)
+        names = ("map",) * has_map + ("map/laser", "map/sonar", "map/glass")
+        self._publishers = {
+            name: create_publisher(node, OccupancyGrid, name, LATCHED_QOS) for name in names
+        }
+        if reference:
+            create_subscription(node, OccupancyGrid, reference, self._on_reference, LATCHED_QOS)
+
+    def publish(self, layers: Layers, stamp: Any) -> None:
+        """Publish all maps that have cells."""
+        self.has_news = False
+        self._send("map", layers.occupancy, stamp)
+        self._send("map/laser", layers.laser, stamp)
+        self._send("map/sonar", layers.sonar, stamp)
+        if self._reference is not None:
+            self._send("map/glass", obstacles_on(layers.glass, self._reference), stamp)
+        elif not self._waits_for_reference and layers.sonar.cells.size:
+            self._send("map/glass", layers.glass, stamp)
+
+    def publish_nothing_known(self, resolution: float, stamp: Any) -> None:
+        """Replace the latched maps, so that the old ones do not stay up."""
+        nothing = empty_map(resolution)
+        for name in self._publishers:
+            on_reference = name == "map/glass" and self._reference is not None
+            cells = obstacles_on(nothing, self._reference) if on_reference else nothing
+            self._send(name, cells, stamp)
+
+    def _send(self, name: str, grid: OccupancyMap, stamp: Any) -> None:
+        if name in self._publishers and grid.cells.size:
+            msg = messages.grid_to_msg(grid, stamp, self._node.frames.map)
+            self._publishers[name].publish(msg)
+
+    def _on_reference(self, msg: Any) -> None:
+        frame = self._node.frames.map
+        if msg.header.frame_id.lstrip("/") != frame:
+            self._warn(f"reference map is in '{msg.header.frame_id}', not in '{frame}': ignored")
+            return
+        try:
+            self._reference = messages.grid_from_msg(msg)
+            self.has_news = True
+        except ValueError as error:
+            self._warn(f"reference map ignored: {error}")

@@ -1,0 +1,151 @@
+"""`pose_source: icp`: the pose by scan matching, published as pose, trajectory and map->odom."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from geometry_msgs.msg import PoseWithCovarianceStamped
+
+from floornav_common.readings import RangeReading
+from floornav_common.ros import messages
+from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.odometry import OdometryFallback
+from floornav_common.ros.qos import RELIABLE_QOS, create_subscription
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from floornav_common.transform3 import Transform3
+from grid_mapper.config import GridMapperNodeConfig
+from grid_mapper.layers import LayeredMapper
+from grid_mapper.localizer import ScanResult
+from grid_mapper.nodes.map_to_odom import MapToOdom
+from grid_mapper.nodes.pose_outputs import PoseOutputs
+from grid_mapper.nodes.scan_input import ScanInput
+from grid_mapper.sonar_mount import level_sonar
+from grid_mapper.tracking import Tracking
+
+
+class MatchedPoses:
+    """Feeds scans and readings to the mapper, and publishes the poses it finds.
+
+    Attributes:
+        sonar_frame: Frame that sonar readings are to be brought to.
+        publish_path: Publishes the way so far, with a stamp.
+    """
+
+    def __init__(
+        self,
+        node: FloornavNode,
+        mapper: LayeredMapper,
+        config: GridMapperNodeConfig,
+        warn: Callable[[str], None],
+    ) -> None:
+        """Subscribe to scans, odometry and initial poses."""
+        self._node, self._mapper, self._config, self._warn = node, mapper, config, warn
+        self.sonar_frame = node.frames.base
+        self._outputs = PoseOutputs(node)
+        self.publish_path = self._outputs.publish_path
+        self.forget()
+        self._odometry = OdometryFallback(node) if config.use_odom else None
+        self._tf = MapToOdom(node) if config.use_odom and config.publish_tf else None
+        frame = node.frames.odom if config.use_odom else node.frames.base
+        self._scans = ScanInput(node, frame, config.scan_timeout_s, self._on_scan, warn)
+        create_subscription(
+            node, PoseWithCovarianceStamped, "initialpose", self._on_initial_pose, RELIABLE_QOS
+        )
+        node.transforms.on_restart(self._restart)  # the clock's too
+        node.time.on_look(self._look)
+
+    def configure(self, config: GridMapperNodeConfig) -> None:
+        """Go on with other values."""
+        self._config = config
+        self._scans.set_timeout(config.scan_timeout_s)
+
+    def forget(self) -> None:
+        """Begin anew, with no pose and no trajectory."""
+        self._tracking = Tracking()
+        self._outputs.forget()
+        self._num_scans, self._num_trusted, self._worst_ms = 0, 0, 0.0
+        self._reason, self._note = "no scan yet", ""
+
+    def lose(self) -> None:
+        """Stop sending until the next trusted scan."""
+        self._tracking.lose()
+        if self._tf is not None:
+            self._tf.set(None)
+
+    @property
+    def newest_ns(self) -> int | None:
+        """Stamp of the newest pose that was published; None before the first."""
+        return self._outputs.newest_ns
+
+    def on_range(
+        self, msg: Any, sensor: str, reading: RangeReading, T_base_sonar: Transform3
+    ) -> None:
+        """Hand over a reading; it waits in the mapper for the scans round it."""
+        pose = level_sonar(T_base_sonar)
+        self._mapper.insert_range(messages.stamp_to_ns(msg.header.stamp), reading, pose, sensor)
+
+    def status(self) -> Status:
+        """Return whether scans fit the map."""
+        values = {
+            "scans": self._num_scans,
+            "trusted": self._num_trusted,
+            "longest scan (ms)": f"{self._worst_ms:.1f}",
+            "map (MB)": f"{self._mapper.num_bytes / 1e6:.1f}",
+        }
+        if not self._scans.is_fresh:
+            return Status(STALE, "no scans: pose and map->odom are not sent", values)
+        if self._tracking.is_lost:
+            return Status(ERROR, f"lost: {self._reason}", values)
+        if self._reason:
+            return Status(WARN, f"newest scan not trusted: {self._reason}", values)
+        if self._note:
+            judge = "odometry decides" if self._config.use_odom else "nothing else does either"
+            return Status(WARN, f"{self._note}; {judge}", values)
+        return Status(OK, "every scan fits the map", values)
+
+    def _on_scan(self, stamp: Any, scan: Scan, T_base_laser: SE2, T_target_base: SE2) -> None:
+        stamp_ns = messages.stamp_to_ns(stamp)
+        T_odom_base = T_target_base if self._config.use_odom else None
+        started = time.perf_counter()
+        result = self._mapper.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
+        self._worst_ms = max(self._worst_ms, 1e3 * (time.perf_counter() - started))
+        self._take(result, stamp, T_odom_base)
+
+    def _take(self, result: ScanResult, stamp: Any, T_odom_base: SE2 | None) -> None:
+        """Publish the pose of a scan, unless the robot is lost."""
+        self._num_scans += 1
+        self._num_trusted += result.is_trusted
+        self._reason, self._note = result.reason, result.note
+        stamp_ns, lost_after_s = messages.stamp_to_ns(stamp), self._config.lost_after_s
+        self._tracking.update(stamp_ns, result.is_trusted, lost_after_s)
+        is_lost = self._tracking.is_lost
+        if not result.is_trusted:
+            self._warn(f"scan not trusted: {result.reason}" + (", lost" if is_lost else ""))
+        if self._tf is not None and T_odom_base is not None:
+            self._tf.set(None if is_lost else result.T_map_base @ T_odom_base.inverse())
+        if not is_lost:
+            self._outputs.publish_pose(stamp, result.T_map_base, result.cov)
+
+    def _restart(self) -> None:
+        """Begin anew in the map that is there: stamps jumped back."""
+        self._mapper.break_motion()
+        self.lose()
+
+    def _look(self) -> None:
+        """Stop sending when scans stop; while /clock stands still nothing is sent anyway."""
+        if not self._scans.is_fresh and not self._node.time.is_stopped:
+            self.lose()
+
+    def _on_initial_pose(self, msg: Any) -> None:
+        if msg.header.frame_id.lstrip("/") != self._node.frames.map:
+            self._warn(f"initialpose is in '{msg.header.frame_id}', not in the map's frame")
+            return
+        try:
+            pose = messages.pose_to_se2(msg.pose.pose)
+            self._mapper.relocate(pose, messages.ros_cov_to_se2(msg.pose.covariance))
+        except ValueError as error:
+            self._warn(f"initialpose refused: {error}")

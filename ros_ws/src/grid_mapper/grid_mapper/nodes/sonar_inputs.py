@@ -1,0 +1,77 @@
+"""Sonar topics of the mapping node: readings with where their sonars look."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from sensor_msgs.msg import Range
+
+from floornav_common.readings import RangeReading
+from floornav_common.ros import messages
+from floornav_common.ros.diagnostics import OK, Status
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.qos import SENSOR_QOS
+from floornav_common.ros.transformed_subscription import TransformedSubscription
+from floornav_common.transform3 import Transform3
+from grid_mapper.layers import SonarCounts
+
+OnRange = Callable[[Any, str, RangeReading, Transform3], None]
+
+
+class SonarInputs:
+    """Calls back with `(msg, sensor, reading, T_target_sonar)` once TF covers the reading's stamp.
+
+    Sonars of one topic are told apart by their frame_id.
+
+    Args:
+        node: The node.
+        topics: Topics to subscribe to.
+        target_frame: Frame to bring the poses to.
+        on_range: Called for each reading; a ValueError of it is said, and the reading left out.
+        warn: Called with what to say, throttled.
+        counts: Gives what became of readings.
+    """
+
+    def __init__(
+        self,
+        node: FloornavNode,
+        topics: tuple[str, ...],
+        target_frame: str,
+        on_range: OnRange,
+        warn: Callable[[str], None],
+        counts: Callable[[], SonarCounts],
+    ) -> None:
+        """Subscribe."""
+        self._on_range = on_range
+        self._warn = warn
+        self._counts = counts
+        self._sensors: set[str] = set()
+        self._topics = [self._subscribe(node, topic, target_frame) for topic in topics]
+        node.diagnostics.add("sonars", self.status)
+
+    def status(self) -> Status:
+        """Return what was heard and what became of it."""
+        counts = self._counts()
+        values = {
+            "sonars": len(self._sensors),
+            "received": sum(t.num_received for t in self._topics),
+            "placed": counts.placed,
+            "saying nothing": counts.void,
+            "counted": counts.counted,
+            "without a pose": counts.unplaced,
+        }
+        return Status(OK, "readings arrive" if self._sensors else "no sonar is heard", values)
+
+    def _subscribe(
+        self, node: FloornavNode, topic: str, target_frame: str
+    ) -> TransformedSubscription:
+        def on_message(msg: Any, T_target_sonar: Transform3) -> None:
+            sensor = f"{topic} {msg.header.frame_id}"
+            self._sensors.add(sensor)
+            try:
+                self._on_range(msg, sensor, messages.range_from_msg(msg), T_target_sonar)
+            except ValueError as error:
+                self._warn(f"{topic}, {msg.header.frame_id}: {error}")
+
+        return TransformedSubscription(node, Range, topic, SENSOR_QOS, target_frame, on_message)
