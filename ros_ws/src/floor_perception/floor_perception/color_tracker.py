@@ -20,10 +20,12 @@ from floor_perception.color_model import (
     shifted,
 )
 from floor_perception.config import ColorConfig
+from floor_perception.first_color import learn_first
 
 _NUM_SECTORS = 24
 _SECTOR_SHARE = 0.5
 _MAX_PIXELS = 1000
+_MAX_FIRST_PIXELS = 4000
 _MIN_PIXELS = 50
 
 
@@ -33,7 +35,7 @@ class ColorTracker:
     Args:
         config: Shares and times.
         pixels: Row and column of the ring's pixels, (N, 2).
-        bearings: Their bearing on the floor, (N,), rad.
+        points: Where they lie on the floor, (N, 2), m.
         color: To start with; None learns it from the first image.
 
     Attributes:
@@ -46,12 +48,14 @@ class ColorTracker:
         self,
         config: ColorConfig,
         pixels: np.ndarray,
-        bearings: np.ndarray,
+        points: np.ndarray,
         color: FloorColor | None = None,
     ) -> None:
+        first = max(1, -(-len(pixels) // _MAX_FIRST_PIXELS))
+        self._first_pixels, self._first_points = pixels[::first], points[::first]
         step = max(1, -(-len(pixels) // _MAX_PIXELS))
         self._config, self._rows, self._columns = config, *pixels[::step].T
-        turn = (bearings[::step] + np.pi) / (2.0 * np.pi)
+        turn = (np.arctan2(points[::step, 1], points[::step, 0]) + np.pi) / (2.0 * np.pi)
         self._sectors = (turn * _NUM_SECTORS).astype(int) % _NUM_SECTORS
         self._in_sector = np.bincount(self._sectors, minlength=_NUM_SECTORS)
         self.color, self.support, self.reason = color, 0.0, "no image yet"
@@ -76,11 +80,10 @@ class ColorTracker:
         """
         if self._seen_ns is not None and 0 <= stamp_ns - self._seen_ns < self._period_ns:
             return False
-        ring = image[self._rows, self._columns]
-        colors = ring if order == "rgb" else ring[:, ::-1]
         if self.color is None:
             self._seen_ns = stamp_ns
-            return self._adopt(colors, self._config.ring_share)
+            return self._learn_first(image, order)
+        colors = _rgb(image[self._rows, self._columns], order)
         dt = 0.0 if self._seen_ns is None else 1e-9 * (stamp_ns - self._seen_ns)
         self._seen_ns = stamp_ns
         is_floor = has_color(self.color, colors, self._config)
@@ -106,7 +109,10 @@ class ColorTracker:
         if self._other_since_ns is None:
             self._other_since_ns = stamp_ns
         waited = 1e-9 * (stamp_ns - self._other_since_ns)
-        return waited >= self._config.relearn_s and self._adopt(colors, 0.0)
+        if waited < self._config.relearn_s:
+            return False
+        self._adopt(learn(colors, self._config), colors)
+        return True
 
     def _shares_one(self, colors: np.ndarray) -> bool:
         try:
@@ -116,15 +122,22 @@ class ColorTracker:
         share = self._support_of(has_color(other, colors, self._config))
         return share >= self._config.relearn_share
 
-    def _adopt(self, colors: np.ndarray, share: float) -> bool:
+    def _learn_first(self, image: np.ndarray, order: str) -> bool:
+        colors = _rgb(image[*self._first_pixels.T], order)
+        bearings = np.arctan2(self._first_points[:, 1], self._first_points[:, 0])
+        distances = np.hypot(*self._first_points.T)
         try:
-            self.color = learn(colors, self._config, share)
+            color = learn_first(colors, bearings, distances, self._config)
         except ValueError as error:
             self.reason = f"the floor's color is not known: {error}"
             return False
-        self.support = self._support_of(has_color(self.color, colors, self._config))
-        self._other_since_ns, self.reason = None, ""
+        self._adopt(color, _rgb(image[self._rows, self._columns], order))
         return True
+
+    def _adopt(self, color: FloorColor, colors: np.ndarray) -> None:
+        self.color = color
+        self.support = self._support_of(has_color(color, colors, self._config))
+        self._other_since_ns, self.reason = None, ""
 
     def _support_of(self, is_floor: np.ndarray) -> float:
         """Return the share of directions half of whose pixels are floor."""
@@ -132,3 +145,7 @@ class ColorTracker:
         is_looked_at = self._in_sector > 0
         is_floor_there = floor >= _SECTOR_SHARE * self._in_sector
         return float(is_floor_there[is_looked_at].mean()) if is_looked_at.any() else 0.0
+
+
+def _rgb(colors: np.ndarray, order: str) -> np.ndarray:
+    return colors if order == "rgb" else colors[:, ::-1]

@@ -181,15 +181,14 @@ def px_per_m(camera: FloorCamera, distance: float) -> float:
 def ring_pixels(
     camera: FloorCamera, config: FloorDetectorConfig, is_hidden: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return row and column (N, 2) and bearing (N,) of the pixels of the ring around the robot."""
+    """Return row and column (N, 2) and place on the floor (N, 2), m, of the ring's pixels."""
     distance = _floor_distance(camera)
     low = config.template.range_min_m
     is_ring = (distance >= low) & (distance < low + config.color.ring_m)
     if is_hidden is not None:
         is_ring &= ~is_hidden
     pixels = np.argwhere(is_ring)
-    points = camera.floor_points(pixels[:, ::-1].astype(float))
-    return pixels, np.arctan2(points[:, 1], points[:, 0])
+    return pixels, camera.floor_points(pixels[:, ::-1].astype(float))
 
 
 def _floor_distance(camera: FloorCamera) -> np.ndarray:
