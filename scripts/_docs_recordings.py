@@ -62,6 +62,9 @@ SHOWN = (
     Shown("neato_drive_square", "rosbag2/neato_drive_square"),
 )  # fmt: skip
 
+SONARS = Shown("sonar8-mapping", "sonar8-mapping")
+"""A recording without a laser: only its picture is shown, in map-glass.md."""
+
 RUN_HEAD = (
     "| recording | scans | mapped | not trusted | way, m | way by odometry, m |"
     " ms a scan: median | p99 | memory, MB |\n" + "| --- " * 9 + "|\n"
@@ -88,11 +91,23 @@ def make_recordings(docs: Path, data: Path) -> None:
             runs[shown.name] = _run_row(shown, data, summary)
             if shown.relations:
                 relations |= _relation_rows(shown, data, out)
+    make_sonar_picture(docs, data)
     page = docs / "recordings.md"
     text = page.read_text(encoding="utf-8")
     text = with_table(text, "runs", RUN_HEAD, runs)
     write_atomic(page, with_table(text, "relations", RELATION_HEAD, relations))
     say(f"written: {page}")
+
+
+def make_sonar_picture(docs: Path, data: Path) -> None:
+    """Map the recording of sonars alone, if it is there, and write its picture."""
+    if not (data / SONARS.path).exists():
+        say(f"passed over, not there: {data / SONARS.path}")
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "map"
+        map_recording(SONARS, data, out)
+        write_small(out / "map.png", docs / "pictures" / f"{SONARS.name}.png")
 
 
 def map_recording(shown: Shown, data: Path, out: Path) -> dict[str, Any]:

@@ -6,20 +6,18 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from geometry_msgs.msg import PoseWithCovarianceStamped
-
 from floornav_common.readings import RangeReading
 from floornav_common.ros import messages
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.odometry import OdometryFallback
-from floornav_common.ros.qos import RELIABLE_QOS, create_subscription
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
 from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.localizer import ScanResult
+from grid_mapper.nodes.initial_pose import InitialPose
 from grid_mapper.nodes.map_to_odom import MapToOdom
 from grid_mapper.nodes.pose_outputs import PoseOutputs
 from grid_mapper.nodes.scan_input import ScanInput
@@ -52,9 +50,7 @@ class MatchedPoses:
         self._tf = MapToOdom(node) if config.use_odom and config.publish_tf else None
         frame = node.frames.odom if config.use_odom else node.frames.base
         self._scans = ScanInput(node, frame, config.scan_timeout_s, self._on_scan, warn)
-        create_subscription(
-            node, PoseWithCovarianceStamped, "initialpose", self._on_initial_pose, RELIABLE_QOS
-        )
+        self._initial_pose = InitialPose(node, mapper, warn)
         node.transforms.on_restart(self._restart)  # the clock's too
         node.time.on_look(self._look)
 
@@ -139,13 +135,3 @@ class MatchedPoses:
         """Stop sending when scans stop; while /clock stands still nothing is sent anyway."""
         if not self._scans.is_fresh and not self._node.time.is_stopped:
             self.lose()
-
-    def _on_initial_pose(self, msg: Any) -> None:
-        if msg.header.frame_id.lstrip("/") != self._node.frames.map:
-            self._warn(f"initialpose is in '{msg.header.frame_id}', not in the map's frame")
-            return
-        try:
-            pose = messages.pose_to_se2(msg.pose.pose)
-            self._mapper.relocate(pose, messages.ros_cov_to_se2(msg.pose.covariance))
-        except ValueError as error:
-            self._warn(f"initialpose refused: {error}")

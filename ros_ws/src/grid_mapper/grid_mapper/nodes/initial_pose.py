@@ -1,0 +1,36 @@
+"""The topic `initialpose`: where somebody says the robot is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from geometry_msgs.msg import PoseWithCovarianceStamped
+
+from floornav_common.ros import messages
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.qos import RELIABLE_QOS, create_subscription
+from grid_mapper.layers import LayeredMapper
+
+
+class InitialPose:
+    """Moves the robot in the map that is there; what is no pose in the map frame is refused."""
+
+    def __init__(
+        self, node: FloornavNode, mapper: LayeredMapper, warn: Callable[[str], None]
+    ) -> None:
+        """Subscribe."""
+        self._frame, self._mapper, self._warn = node.frames.map, mapper, warn
+        create_subscription(
+            node, PoseWithCovarianceStamped, "initialpose", self._on_pose, RELIABLE_QOS
+        )
+
+    def _on_pose(self, msg: Any) -> None:
+        if msg.header.frame_id.lstrip("/") != self._frame:
+            self._warn(f"initialpose is in '{msg.header.frame_id}', not in '{self._frame}'")
+            return
+        try:
+            pose = messages.pose_to_se2(msg.pose.pose)
+            self._mapper.relocate(pose, messages.ros_cov_to_se2(msg.pose.covariance))
+        except ValueError as error:
+            self._warn(f"initialpose refused: {error}")
