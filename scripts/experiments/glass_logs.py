@@ -72,12 +72,12 @@ class GlassLog:
     @property
     def T_base_laser(self) -> SE2:  # noqa: N802, frames rule of the transforms
         """Pose of the laser on the robot."""
-        return SE2(*self.laser_pose)
+        return SE2(*self.laser_pose.tolist())
 
     @property
     def start(self) -> SE2:
         """True pose at the first scan."""
-        return SE2(*self.scan_true[0])
+        return SE2(*self.scan_true[0].tolist())
 
     def solids(self) -> list[Solid]:
         """Return what truly stands in the world."""
@@ -87,7 +87,7 @@ class GlassLog:
         """Return a scan as recordings give it."""
         angle_min, step, low, high = (float(v) for v in self.laser_limits)
         scan = Scan(self.scan_ranges[index], angle_min, step, low, high)
-        T_odom_base = SE2(*self.scan_odom[index])
+        T_odom_base = SE2(*self.scan_odom[index].tolist())
         return ScanEvent(int(self.scan_ns[index]), scan, self.T_base_laser, T_odom_base)
 
     def range(self, index: int) -> RangeEvent:
@@ -96,7 +96,7 @@ class GlassLog:
         opening, low, high = (float(v) for v in self.sonar_limits[:3])
         return RangeEvent(
             int(self.range_ns[index]), f"sonar_{number}", float(self.range_m[index]), low, high,
-            opening, SE2(*self.sonar_poses[number]), SE2(*self.range_odom[index]),
+            opening, SE2(*self.sonar_poses[number].tolist()), SE2(*self.range_odom[index]),
         )  # fmt: skip
 
     def events(self) -> Iterator[tuple[ScanEvent | RangeEvent, SE2]]:
@@ -105,9 +105,9 @@ class GlassLog:
         ranges = ((int(ns), 1, k) for k, ns in enumerate(self.range_ns))
         for _, kind, k in heapq.merge(scans, ranges):
             if kind == 0:
-                yield self.scan(k), SE2(*self.scan_true[k])
+                yield self.scan(k), SE2(*self.scan_true[k].tolist())
             else:
-                yield self.range(k), SE2(*self.range_true[k])
+                yield self.range(k), SE2(*self.range_true[k].tolist())
 
     def save(self, path: Path) -> None:
         """Write the log as a file."""

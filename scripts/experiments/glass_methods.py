@@ -1,0 +1,189 @@
+"""One log through every way to map it: laser, sonar, the published overlay, bayes, a costmap layer.
+
+Poses come from scan matching on drifting odometry, or are the true ones; scan matching is the same
+whatever is made of the map, so it runs once and all rows see its poses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from experiments.glass_logs import GlassLog
+from experiments.range_layer import RangeLayer
+from floornav_common.grid import UNKNOWN, OccupancyMap
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig, KeyScanConfig, LabelGridConfig
+from grid_mapper.layers import LayeredMapper
+from grid_mapper.mapper import GridMapper
+from grid_mapper.overlay import EVEN, on_cells_of
+from grid_mapper.pose_history import PoseHistory
+from grid_mapper.recordings.events import RangeEvent, ScanEvent
+from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
+
+# The published method first; the last two are it again, with other key scans.
+NAMES = (
+    "overlay", "laser", "sonar", "bayes", "range_layer", "overlay_default_keys",
+    "overlay_all_scans",
+)  # fmt: skip
+NUM_KEY_SCANS = 26
+_NEVER = 1e6
+_MAX_GAP_NS = round(SonarConfig().max_pose_gap_s * 1e9)
+_EVERY_SCAN = KeyScanConfig(distance_m=0.0, turn_rad=0.0, period_s=0.0)
+_EVERY_READING = SonarKeyConfig(distance_m=0.0, turn_rad=0.0, period_s=0.0)
+# Grid of 5 cm, tolerance 5 cm, alpha_L 0.5 deg, alpha_S 20 deg, P_L 4, P_S 4.5 / m^2 (7.1.2).
+PUBLISHED = GridMapperConfig(
+    label=LabelGridConfig(beam_angle_rad=np.deg2rad(0.5), no_return_free_m=0.0),
+    sonar=SonarConfig(aperture_rad=np.deg2rad(20.0)),
+)
+
+
+@dataclass
+class Track:
+    """Where the robot was, as readings are placed by.
+
+    Attributes:
+        poses: Of the scans that were trusted; between them it is interpolated.
+        errors_m: How far the pose of each scan is from the true one.
+        num_untrusted: Scans whose match was refused.
+    """
+
+    poses: PoseHistory = field(default_factory=lambda: PoseHistory(10**6))
+    errors_m: list[float] = field(default_factory=list)
+    num_untrusted: int = 0
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """A row's result.
+
+    Attributes:
+        occupancy: The map to drive by.
+        glass: What it says is glass; None where it says nothing of glass.
+    """
+
+    occupancy: OccupancyMap
+    glass: OccupancyMap | None
+
+
+def spaced() -> GridMapperConfig:
+    """Return the published rule with key scans about as far apart as the paper's stops."""
+    key = KeyScanConfig(distance_m=1.0, turn_rad=6.0, period_s=7.5)
+    return replace(PUBLISHED, map_key=key)
+
+
+def key_scans(log: GlassLog, num: int = NUM_KEY_SCANS) -> GridMapperConfig:
+    """Return the published rule with so many key scans, evenly spaced in time."""
+    scan_s = float(log.scan_ns[1] - log.scan_ns[0]) * 1e-9
+    period_s = scan_s * ((len(log.scan_ns) - 1) // (num - 1)) - scan_s / 2.0
+    key = KeyScanConfig(distance_m=_NEVER, turn_rad=_NEVER, period_s=period_s)
+    return replace(PUBLISHED, map_key=key)
+
+
+def stops_only(log: GlassLog, num: int = NUM_KEY_SCANS) -> GridMapperConfig:
+    """Return the same with sonars read only as often as the laser."""
+    config = key_scans(log, num)
+    period_s = config.map_key.period_s
+    key = SonarKeyConfig(distance_m=_NEVER, turn_rad=_NEVER, period_s=period_s)
+    return replace(config, sonar_key=key)
+
+
+def all_scans() -> GridMapperConfig:
+    """Return the published rule on everything that the sensors give."""
+    return replace(PUBLISHED, map_key=_EVERY_SCAN, sonar_key=_EVERY_READING)
+
+
+def localized(log: GlassLog) -> Track:
+    """Return the poses that scan matching on drifting odometry gives; the first is the true one."""
+    track, mapper = Track(), GridMapper(GridMapperConfig(), log.start)
+    for event, T_true in log.events():
+        if isinstance(event, ScanEvent):
+            result = mapper.insert_scan(
+                event.stamp_ns, event.scan, event.T_base_laser, event.T_odom_base
+            )
+            track.errors_m.append(T_true.between(result.T_map_base).distance)
+            track.num_untrusted += not result.is_trusted
+            if result.is_trusted:
+                track.poses.add(event.stamp_ns, result.T_map_base)
+    return track
+
+
+def true_track(log: GlassLog) -> Track:
+    """Return the true poses."""
+    track = Track(errors_m=[0.0] * len(log.scan_ns))
+    for stamp_ns, pose in zip(log.scan_ns.tolist(), log.scan_true.tolist(), strict=True):
+        track.poses.add(stamp_ns, SE2(*pose))
+    return track
+
+
+def placed(log: GlassLog, track: Track) -> Iterator[tuple[ScanEvent | RangeEvent, SE2]]:
+    """Yield what could be placed, in time order, with the robot's pose by a track."""
+    for event, _ in log.events():
+        max_gap_ns = _MAX_GAP_NS if isinstance(event, RangeEvent) else 0
+        pose = track.poses.at(event.stamp_ns, max_gap_ns)
+        if pose is not None:
+            yield event, pose
+
+
+def mapped(log: GlassLog, config: GridMapperConfig, track: Track) -> LayeredMapper:
+    """Return the mapper after a whole log, everything placed by a track.
+
+    Raises:
+        ValueError: This version does not have `config.fusion`.
+    """
+    mapper = LayeredMapper(config, log.start)
+    for event, pose in placed(log, track):
+        if isinstance(event, ScanEvent):
+            mapper.place_scan(event.stamp_ns, event.scan, event.T_base_laser, pose)
+        else:
+            mapper.place_range(event.stamp_ns, event.reading, event.T_base_sonar, event.frame, pose)
+    return mapper
+
+
+def all_rows(log: GlassLog, published: GridMapperConfig, track: Track) -> dict[str, Mapped | None]:
+    """Return the map of every row; None for a method that this version does not have.
+
+    Args:
+        log: The drive.
+        published: The published rule with its spacing of key scans.
+        track: Places everything.
+    """
+    layers = mapped(log, GridMapperConfig(), track).layers()
+    layer = RangeLayer(layers.laser)
+    for event, pose in placed(log, track):
+        if isinstance(event, RangeEvent):
+            layer.add_range(event.reading, pose @ event.T_base_sonar)
+    costmap = layer.combined(layers.laser)
+    return {
+        "overlay": overlay_row(mapped(log, published, track)),
+        "laser": Mapped(layers.laser, None),
+        "sonar": Mapped(layers.sonar, None),
+        "bayes": _bayes_row(log, track),
+        "range_layer": Mapped(costmap, beyond(costmap, layers.laser)),
+        "overlay_default_keys": Mapped(layers.occupancy, layers.glass),
+        "overlay_all_scans": overlay_row(mapped(log, all_scans(), track)),
+    }
+
+
+def overlay_row(mapper: LayeredMapper) -> Mapped:
+    """Return what a mapper has as a row."""
+    layers = mapper.layers()
+    return Mapped(layers.occupancy, layers.glass)
+
+
+def _bayes_row(log: GlassLog, track: Track) -> Mapped | None:
+    try:
+        return overlay_row(mapped(log, GridMapperConfig(fusion="bayes"), track))
+    except ValueError as error:
+        if "not part of this version" not in str(error):
+            raise
+        return None
+
+
+def beyond(occupancy: OccupancyMap, laser: OccupancyMap) -> OccupancyMap:
+    """Return what a map holds for an obstacle beyond the laser's map: occupied, else unknown."""
+    is_more = (occupancy.cells >= EVEN) & (on_cells_of(laser, occupancy) < EVEN)
+    cells = np.where(is_more, np.int8(100), np.int8(UNKNOWN))
+    return OccupancyMap(cells, occupancy.resolution, occupancy.origin)
