@@ -33,7 +33,7 @@ from sim_bridge.world import World
 _SCRIPTS = Path(__file__).resolve().parent
 _RECORDED = (
     "/scan", "/odom", "/tf", "/tf_static", "/pose", "/map", "/cmd_vel", "/robot_description",
-    "/ground_truth/odom", "/ground_truth/contact",
+    "/ground_truth/odom", "/ground_truth/contact", "/sonar", "/map/glass",
 )  # fmt: skip
 _START_TIMEOUT_S = 180.0
 _LONGEST_S = 300.0
