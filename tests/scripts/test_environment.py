@@ -460,8 +460,8 @@ def test_linked_packages_are_found_as_ros2_run_looks_for_them(tmp_path: Path) ->
             'run_node: package grid_mapper has no executable "x"; it has: grid_mapper',
         ),
         (
-            ["floor_perception", "x"],
-            'package floor_perception has no executable "x"; it has: none yet',
+            ["multi_localizer", "x"],
+            'package multi_localizer has no executable "x"; it has: none yet',
         ),
         (["grid_mapper"], "run_node: PACKAGE and EXECUTABLE are needed"),
     ],
