@@ -11,10 +11,14 @@ from floornav_common.readings import RangeReading
 from floornav_common.ros import messages
 from floornav_common.ros.diagnostics import OK, Status
 from floornav_common.ros.node import FloornavNode
-from floornav_common.ros.qos import SENSOR_QOS
+from floornav_common.ros.qos import SENSOR_QOS, copy_qos
 from floornav_common.ros.transformed_subscription import TransformedSubscription
 from floornav_common.transform3 import Transform3
 from grid_mapper.layers import SonarCounts
+
+SONAR_QOS = copy_qos(SENSOR_QOS)
+SONAR_QOS.depth = 100
+"""A ring of sonars on one topic sends in bursts, which may come while a scan is matched."""
 
 OnRange = Callable[[Any, str, RangeReading, Transform3], None]
 
@@ -74,4 +78,4 @@ class SonarInputs:
             except ValueError as error:
                 self._warn(f"{topic}, {msg.header.frame_id}: {error}")
 
-        return TransformedSubscription(node, Range, topic, SENSOR_QOS, target_frame, on_message)
+        return TransformedSubscription(node, Range, topic, SONAR_QOS, target_frame, on_message)
