@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import pi
 
 from floornav_common.config import param, validate
+from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.node_config import GridMapperNodeConfig as GridMapperNodeConfig
 from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
 
@@ -205,6 +206,7 @@ class GridMapperConfig:
     log_odds: LogOddsConfig = field(default_factory=LogOddsConfig)
     sonar: SonarConfig = field(default_factory=SonarConfig)
     sonar_key: SonarKeyConfig = field(default_factory=SonarKeyConfig)
+    bayes: BayesConfig = field(default_factory=BayesConfig)
 
     def __post_init__(self) -> None:
         validate(self)
