@@ -1,13 +1,11 @@
-"""Methods by name, and what is said where one is missing."""
-
-import sys
-from types import SimpleNamespace
+"""Methods by name."""
 
 import numpy as np
 import pytest
 
 from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.se2 import SE2
+from grid_mapper.bayes_fusion import BayesFusion
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.fusion import make_fusion
 
@@ -30,15 +28,9 @@ def test_each_method_gives_its_map_and_its_glass(name, occupancy, glass):
     assert fusion.glass().cells.tolist() == [glass]
 
 
-def test_a_method_that_is_not_there_is_refused_in_one_line(monkeypatch):
-    monkeypatch.setitem(sys.modules, "grid_mapper.bayes_fusion", None)
-    with pytest.raises(ValueError, match="fusion: bayes .* use overlay") as error:
-        make_fusion(GridMapperConfig(fusion="bayes"), lambda: LASER, lambda: SONAR)
-    assert "\n" not in str(error.value)
-
-
-def test_the_bayesian_method_is_taken_from_its_module_with_the_configuration(monkeypatch):
-    module = SimpleNamespace(BayesFusion=lambda config: ("made", config))
-    monkeypatch.setitem(sys.modules, "grid_mapper.bayes_fusion", module)
-    config = GridMapperConfig(fusion="bayes")
-    assert make_fusion(config, lambda: LASER, lambda: SONAR) == ("made", config)
+def test_a_method_of_its_own_maps_keeps_the_lasers_lattice_and_knows_no_glass_at_first():
+    fusion = make_fusion(GridMapperConfig(fusion="bayes"), lambda: LASER, lambda: SONAR)
+    assert isinstance(fusion, BayesFusion)
+    whole = fusion.occupancy(LASER)
+    assert (whole.cells.tolist(), whole.origin) == (LASER.cells.tolist(), LASER.origin)
+    assert not (fusion.glass().cells == OCCUPIED).any()

@@ -277,13 +277,3 @@ def test_a_pane_that_only_a_sonar_hears_is_in_the_map_and_in_layers_of_its_own(t
     assert run(bag, "--out", tmp_path / "laser", "--quiet") == 0
     assert {f.name for f in (tmp_path / "laser").iterdir()} == RESULT_FILES
     assert summary_of(tmp_path / "laser")["glass_cells"] is None
-
-
-def test_a_fusion_that_this_version_lacks_is_one_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "grid_mapper.bayes_fusion", None)
-    config = tmp_path / "config.yaml"
-    config.write_text("fusion: bayes\n")
-    out = tmp_path / "out"
-    assert run(room_bag(tmp_path / "room", 3), "--config", config, "--out", out) == 2
-    error = capsys.readouterr().err
-    assert "use overlay" in error and error.count("\n") == 1 and not out.exists()

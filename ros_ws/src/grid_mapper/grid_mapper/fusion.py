@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from typing import Protocol
 
@@ -12,6 +11,7 @@ from floornav_common.grid import UNKNOWN, OccupancyMap
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from grid_mapper.bayes_fusion import BayesFusion
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.overlay import glass_layer, overlay
 
@@ -90,28 +90,10 @@ def make_fusion(config: GridMapperConfig, laser_map: MapSource, sonar_map: MapSo
         config: Names it in `fusion`.
         laser_map: Gives the laser's map as it stands.
         sonar_map: Gives the map of ultrasonic points as it stands.
-
-    Raises:
-        ValueError: If this version does not have it.
     """
     makers: dict[str, Callable[[], Fusion]] = {
         "overlay": lambda: OverlayFusion(laser_map, sonar_map),
-        "bayes": lambda: _make_bayes(config),
+        "bayes": lambda: BayesFusion(config),
         "none": lambda: NoFusion(laser_map),
     }
     return makers[config.fusion]()
-
-
-def _make_bayes(config: GridMapperConfig) -> Fusion:
-    """Return the Bayesian method, which has a module of its own."""
-    name = "grid_mapper.bayes_fusion"
-    try:
-        module = importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        if error.name != name:
-            raise
-        raise ValueError(
-            "fusion: bayes is not part of this version; use overlay (the published rule) or none"
-        ) from None
-    fusion: Fusion = module.BayesFusion(config)
-    return fusion

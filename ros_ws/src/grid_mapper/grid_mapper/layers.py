@@ -84,11 +84,7 @@ class LayeredMapper:
     """
 
     def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
-        """Start with empty maps; `T_map_start` is the first pose, the map's origin by default.
-
-        Raises:
-            ValueError: If this version does not have the method that `config.fusion` names.
-        """
+        """Start with empty maps; `T_map_start` is the first pose, the map's origin by default."""
         self.config = config
         self.laser = GridMapper(config, T_map_start)
         self._empty_layers()

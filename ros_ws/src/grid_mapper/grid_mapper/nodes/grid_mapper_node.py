@@ -18,7 +18,7 @@ from std_srvs.srv import Trigger
 from floornav_common.ros import messages
 from floornav_common.ros.main import run_node
 from floornav_common.ros.node import FloornavNode
-from floornav_common.ros.parameters import ParameterError, declare_config
+from floornav_common.ros.parameters import declare_config
 from floornav_common.time_watch import Throttle
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from grid_mapper.glass_files import SUFFIXES, save_layers
@@ -42,7 +42,7 @@ class GridMapperNode(FloornavNode):
         config = declare_config(self, GridMapperNodeConfig, on_change=self._set_config)
         self._config = config
         self._warnings = Throttle(WARN_PERIOD_NS)
-        self._mapper = self._make_mapper()
+        self._mapper = LayeredMapper(declare_config(self, GridMapperConfig, on_change=self._tune))
         has_own_poses = config.pose_source == "icp"
         self._maps = MapOutputs(self, has_own_poses, config.reference_map, self._warn)
         poses = MatchedPoses if has_own_poses else GivenPoses
@@ -57,13 +57,6 @@ class GridMapperNode(FloornavNode):
         self.create_timer(config.map_period_s, self._publish_map)
         self.diagnostics.add("mapping", self._poses.status)
         self.ready(lambda: compile_kernels(self._mapper.config.fusion))
-
-    def _make_mapper(self) -> LayeredMapper:
-        config = declare_config(self, GridMapperConfig, on_change=self._tune)
-        try:
-            return LayeredMapper(config)
-        except ValueError as error:
-            raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
 
     def _set_config(self, config: GridMapperNodeConfig) -> None:
         self._config = config
