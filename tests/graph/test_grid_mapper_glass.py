@@ -115,8 +115,10 @@ def start_mapper(start, *parameters):
     return node
 
 
-def test_a_drive_gives_glass_in_the_map_and_in_its_layer_and_both_are_saved(start, peer, tmp_path):
-    node = start_mapper(start, f"map_file:={tmp_path / 'floor'}", "keepout_margin_m:=0.2")
+@pytest.mark.parametrize("fusion", ["overlay", "bayes"])
+def test_a_drive_gives_glass_in_map_and_layer_and_both_are_saved(start, peer, tmp_path, fusion):
+    name = f"map_file:={tmp_path / 'floor'}"
+    node = start_mapper(start, name, "keepout_margin_m:=0.2", f"fusion:={fusion}")
     robot = Robot(peer, node, num_tf=2)
     robot.drive(robot.poses)
     here = SE2.identity()
