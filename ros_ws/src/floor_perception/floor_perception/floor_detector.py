@@ -97,6 +97,18 @@ class FloorDetector:
             self._tables.clear()
             self._table_color = self.tracker.color
 
+    def ring(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the pixels around the robot, (N, 3), and where they lie on the floor, (N, 2), m.
+
+        Args:
+            image: (H, W, 3), uint8.
+        """
+        if image.shape[:2] != self._size:
+            height, width = image.shape[:2]
+            self._set_size(height, width, self.color)
+        pixels, points = self._ring
+        return image[pixels[:, 0], pixels[:, 1]], points
+
     def reset(self) -> None:
         """Forget the floor's color: the next image shows it anew."""
         self._start_tracking(None)
