@@ -6,7 +6,7 @@ whatever is made of the map, so it runs once and all rows see its poses.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,11 +23,7 @@ from grid_mapper.pose_history import PoseHistory
 from grid_mapper.recordings.events import RangeEvent, ScanEvent
 from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
 
-# The published method first; the last two are it again, with other key scans.
-NAMES = (
-    "overlay", "laser", "sonar", "bayes", "range_layer", "overlay_default_keys",
-    "overlay_all_scans",
-)  # fmt: skip
+NAMES = ("overlay", "laser", "sonar", "bayes", "range_layer")
 NUM_KEY_SCANS = 26
 _NEVER = 1e6
 _MAX_GAP_NS = round(SonarConfig().max_pose_gap_s * 1e9)
@@ -72,6 +68,20 @@ def spaced() -> GridMapperConfig:
     """Return the published rule with key scans about as far apart as the paper's stops."""
     key = KeyScanConfig(distance_m=1.0, turn_rad=6.0, period_s=7.5)
     return replace(PUBLISHED, map_key=key)
+
+
+def overlays_of(log: GlassLog, *, is_paper_world: bool) -> dict[str, GridMapperConfig]:
+    """Return the published rule's rows: the paper's way first, then with other key scans.
+
+    `all_rows` adds the one with the mapper's own spacing.
+    """
+    if not is_paper_world:
+        return {"overlay": spaced()}
+    return {
+        "overlay": key_scans(log),
+        "overlay_sonar_at_stops_only": stops_only(log),
+        "overlay_all_scans": all_scans(),
+    }
 
 
 def key_scans(log: GlassLog, num: int = NUM_KEY_SCANS) -> GridMapperConfig:
@@ -142,14 +152,19 @@ def mapped(log: GlassLog, config: GridMapperConfig, track: Track) -> LayeredMapp
     return mapper
 
 
-def all_rows(log: GlassLog, published: GridMapperConfig, track: Track) -> dict[str, Mapped | None]:
+def all_rows(
+    log: GlassLog, overlays: Mapping[str, GridMapperConfig], track: Track
+) -> dict[str, Mapped | None]:
     """Return the map of every row; None for a method that this version does not have.
 
     Args:
         log: The drive.
-        published: The published rule with its spacing of key scans.
+        overlays: The published rule by name of the row.
         track: Places everything.
     """
+    rows: dict[str, Mapped | None] = {
+        name: row_of(mapped(log, config, track)) for name, config in overlays.items()
+    }
     layers = mapped(log, GridMapperConfig(), track).layers()
     layer = RangeLayer(layers.laser)
     for event, pose in placed(log, track):
@@ -157,17 +172,16 @@ def all_rows(log: GlassLog, published: GridMapperConfig, track: Track) -> dict[s
             layer.add_range(event.reading, pose @ event.T_base_sonar)
     costmap = layer.combined(layers.laser)
     return {
-        "overlay": overlay_row(mapped(log, published, track)),
+        **rows,
         "laser": Mapped(layers.laser, None),
         "sonar": Mapped(layers.sonar, None),
         "bayes": _bayes_row(log, track),
         "range_layer": Mapped(costmap, beyond(costmap, layers.laser)),
-        "overlay_default_keys": Mapped(layers.occupancy, layers.glass),
-        "overlay_all_scans": overlay_row(mapped(log, all_scans(), track)),
+        "overlay_every_20_cm": Mapped(layers.occupancy, layers.glass),
     }
 
 
-def overlay_row(mapper: LayeredMapper) -> Mapped:
+def row_of(mapper: LayeredMapper) -> Mapped:
     """Return what a mapper has as a row."""
     layers = mapper.layers()
     return Mapped(layers.occupancy, layers.glass)
@@ -175,7 +189,7 @@ def overlay_row(mapper: LayeredMapper) -> Mapped:
 
 def _bayes_row(log: GlassLog, track: Track) -> Mapped | None:
     try:
-        return overlay_row(mapped(log, GridMapperConfig(fusion="bayes"), track))
+        return row_of(mapped(log, GridMapperConfig(fusion="bayes"), track))
     except ValueError as error:
         if "not part of this version" not in str(error):
             raise

@@ -13,6 +13,10 @@ from experiments.glass_truth import BEHIND_FROM_M, Truth
 from floornav_common.grid import OccupancyMap
 from grid_mapper.overlay import EVEN, on_cells_of
 
+METRICS = (
+    "glass_recall", "glass_precision", "glass_seen_share", "false_occupied", "wall_error_m",
+    "phantom_share",
+)  # fmt: skip
 WITHIN_M = 0.10
 WALL_WITHIN_M = 0.25
 SLACK_M = 1e-6
