@@ -29,6 +29,7 @@ EXPERIMENTS = {
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
     "floor-images": "floor mask and free space on real pictures: --images DIR",
     "velocity-avoidance": "driving round cubes with and without regard to velocity, seen by mirror",
+    "glass-map": "the glass paper's two places and drawn floors with glass, mapped by each method",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
 }
 
