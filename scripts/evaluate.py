@@ -27,6 +27,7 @@ EXPERIMENTS = {
     "laser-drives": "drift on simulated drives: full rate, key scans, slip, a bare corridor",
     "sensor-models": "simulated sensors beside what their settings promise",
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
+    "free-space-odometry": "kiss-icp on free space that a camera saw, along a driven route: drift",
     "floor-images": "floor mask and free space on real pictures: --images DIR",
     "velocity-avoidance": "driving round cubes with and without regard to velocity, seen by mirror",
     "glass-map": "the glass paper's two places and drawn floors with glass, mapped by each method",
