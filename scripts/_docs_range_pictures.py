@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from _docs_world_pictures import save
-from experiments.sensor_models_laser import glass_by_angle
+from experiments.sensor_models_glass import BIN_DEG, glass_by_angle
 from experiments.sensor_models_sonar import sonar_by_angle
 from floornav_common.transform3 import Transform3
 from sim_bridge.drawing import GLASS, LASER, ROBOT, SONAR, draw_robot, draw_solids
@@ -32,7 +32,7 @@ def write_laser(path: Path, folder: Path, seed: int) -> None:
     _draw_scans(scene, seed)
     values, _ = glass_by_angle(argparse.Namespace(seed=seed, scans=_SCANS, out_dir=folder))
     rows = values["by_angle"]
-    angles = np.array([row["from_deg"] + 2.5 for row in rows])
+    angles = np.array([row["from_deg"] + BIN_DEG / 2.0 for row in rows])
     for name, text, color in (
         ("through", "what is behind", THROUGH),
         ("mirror", "the pane, as a mirror", MIRROR),
@@ -56,7 +56,7 @@ def write_sonar(path: Path, folder: Path, seed: int) -> None:
     _draw_round(scene, seed)
     values, _ = sonar_by_angle(argparse.Namespace(seed=seed, out_dir=folder))
     for name, text, color in (("wall", "plain wall", INK), ("glass", "glass", GLASS)):
-        angles = np.array([row["from_deg"] + 2.5 for row in values[name]])
+        angles = np.array([row["angle_deg"] for row in values[name]])
         shares = [row["answered"] for row in values[name]]
         promised = [row["promised"] for row in values[name]]
         curves.plot(angles, promised, color=color, lw=1.4)
