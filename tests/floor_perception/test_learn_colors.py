@@ -19,7 +19,7 @@ from floor_perception.resources import load_camera_model
 from floornav_common.config_files import config_from_mapping
 from floornav_common.reporting import UserError
 
-CONFIGS = Path(__file__).parents[2] / "ros_ws" / "src" / "floor_perception" / "config"
+CONFIGS = Path(__file__).parents[2] / "ros_ws" / "src" / "floor_perception" / "parameters"
 
 
 def saved(path: Path, picture: np.ndarray) -> str:
