@@ -63,7 +63,7 @@ def run_job(job: Job) -> dict[str, Any]:
     """Return all figures of one world."""
     log = drive(job.world, job.seed, cache=job.logs)
     truth, is_paper = truth_of(log), job.world in PAPER
-    overlays, icp = overlays_of(log, is_paper_world=is_paper), localized(log)
+    overlays, icp = overlays_of(is_paper_world=is_paper), localized(log)
     rows = all_rows(log, overlays, icp)
     truly = all_rows(log, overlays, true_track(log))
     result: dict[str, Any] = {
@@ -82,7 +82,7 @@ def run_job(job: Job) -> dict[str, Any]:
         result["pictures"].append(str(path))
         if is_paper:
             path = job.pictures / f"{name}-figures.png"
-            write_figures(path, log, truth, icp)
+            write_figures(path, log, truth, icp, overlays["overlay"])
             result["pictures"].append(str(path))
     return result
 

@@ -1,7 +1,7 @@
 """Lengths and angles measured from a map, by one rule for every map and every measure.
 
 A measure's ends lie on surfaces of the world file. Each surface is a line fitted to the centers of
-the occupied cells along it: those within 12 cm of the true face, its last 10 cm at both ends left
+the occupied cells along it: those within 12 cm of the true face, its last 15 cm at both ends left
 out, fitted by total least squares; cells farther than 8 cm from the line are then left out and it
 is fitted again. For opaque surfaces cells that the map calls glass are left out. A length is the
 distance of the shorter one's mean from the longer one; an angle is that between them. A post is
@@ -20,7 +20,7 @@ from grid_mapper.overlay import EVEN, on_cells_of
 from sim_bridge.measures import Measure
 from sim_bridge.solids import Solid
 
-GATE_M, TRIM_M, REFIT_M = 0.12, 0.10, 0.08
+GATE_M, TRIM_M, REFIT_M = 0.12, 0.15, 0.08
 POST_M = 0.10
 JOIN_M = 0.10
 _ON_M = 0.02

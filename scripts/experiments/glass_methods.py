@@ -6,7 +6,7 @@ whatever is made of the map, so it runs once and all rows see its poses.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,7 +25,6 @@ from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
 
 NAMES = ("overlay", "laser", "sonar", "bayes", "range_layer")
 NUM_KEY_SCANS = 26
-_NEVER = 1e6
 _MAX_GAP_NS = round(SonarConfig().max_pose_gap_s * 1e9)
 _EVERY_SCAN = KeyScanConfig(distance_m=0.0, turn_rad=0.0, period_s=0.0)
 _EVERY_READING = SonarKeyConfig(distance_m=0.0, turn_rad=0.0, period_s=0.0)
@@ -64,45 +63,54 @@ class Mapped:
     glass: OccupancyMap | None
 
 
-def spaced() -> GridMapperConfig:
-    """Return the published rule with key scans about as far apart as the paper's stops."""
-    key = KeyScanConfig(distance_m=1.0, turn_rad=6.0, period_s=7.5)
-    return replace(PUBLISHED, map_key=key)
+@dataclass(frozen=True)
+class Published:
+    """One way to feed the published rule.
+
+    Attributes:
+        config: Of the mapper.
+        num_stops: Take so many scans of the drive, evenly spaced; None leaves it to `map_key`.
+        has_sonar_at_stops_only: Take one reading of each sonar at each of these and no others.
+    """
+
+    config: GridMapperConfig
+    num_stops: int | None = None
+    has_sonar_at_stops_only: bool = False
+
+    def takes(self, log: GlassLog) -> Callable[[ScanEvent | RangeEvent], bool]:
+        """Return what tells which events of a log are taken."""
+        if self.num_stops is None:
+            return lambda event: True
+        chosen = np.linspace(0, len(log.scan_ns) - 1, self.num_stops).round().astype(int)
+        stops = log.scan_ns[chosen]
+        round_ns = int(np.diff(log.range_ns[log.range_sensor == 0][:2])[0])
+
+        def takes(event: ScanEvent | RangeEvent) -> bool:
+            if isinstance(event, ScanEvent):
+                return event.stamp_ns in stops
+            since = event.stamp_ns - stops
+            return not self.has_sonar_at_stops_only or bool(
+                ((since > -round_ns) & (since <= 0)).any()
+            )
+
+        return takes
 
 
-def overlays_of(log: GlassLog, *, is_paper_world: bool) -> dict[str, GridMapperConfig]:
+def overlays_of(*, is_paper_world: bool) -> dict[str, Published]:
     """Return the published rule's rows: the paper's way first, then with other key scans.
 
     `all_rows` adds the one with the mapper's own spacing.
     """
     if not is_paper_world:
-        return {"overlay": spaced()}
+        key = KeyScanConfig(distance_m=1.0, turn_rad=6.0, period_s=7.5)  # as far as its stops
+        return {"overlay": Published(replace(PUBLISHED, map_key=key))}
+    every = replace(PUBLISHED, map_key=_EVERY_SCAN)
+    whole = replace(every, sonar_key=_EVERY_READING)
     return {
-        "overlay": key_scans(log),
-        "overlay_sonar_at_stops_only": stops_only(log),
-        "overlay_all_scans": all_scans(),
+        "overlay": Published(every, NUM_KEY_SCANS),
+        "overlay_sonar_at_stops_only": Published(whole, NUM_KEY_SCANS, True),
+        "overlay_all_scans": Published(whole),
     }
-
-
-def key_scans(log: GlassLog, num: int = NUM_KEY_SCANS) -> GridMapperConfig:
-    """Return the published rule with so many key scans, evenly spaced in time."""
-    scan_s = float(log.scan_ns[1] - log.scan_ns[0]) * 1e-9
-    period_s = scan_s * ((len(log.scan_ns) - 1) // (num - 1)) - scan_s / 2.0
-    key = KeyScanConfig(distance_m=_NEVER, turn_rad=_NEVER, period_s=period_s)
-    return replace(PUBLISHED, map_key=key)
-
-
-def stops_only(log: GlassLog, num: int = NUM_KEY_SCANS) -> GridMapperConfig:
-    """Return the same with sonars read only as often as the laser."""
-    config = key_scans(log, num)
-    period_s = config.map_key.period_s
-    key = SonarKeyConfig(distance_m=_NEVER, turn_rad=_NEVER, period_s=period_s)
-    return replace(config, sonar_key=key)
-
-
-def all_scans() -> GridMapperConfig:
-    """Return the published rule on everything that the sensors give."""
-    return replace(PUBLISHED, map_key=_EVERY_SCAN, sonar_key=_EVERY_READING)
 
 
 def localized(log: GlassLog) -> Track:
@@ -137,14 +145,27 @@ def placed(log: GlassLog, track: Track) -> Iterator[tuple[ScanEvent | RangeEvent
             yield event, pose
 
 
-def mapped(log: GlassLog, config: GridMapperConfig, track: Track) -> LayeredMapper:
+def mapped(
+    log: GlassLog,
+    config: GridMapperConfig,
+    track: Track,
+    takes: Callable[[ScanEvent | RangeEvent], bool] = lambda event: True,
+) -> LayeredMapper:
     """Return the mapper after a whole log, everything placed by a track.
+
+    Args:
+        log: The drive.
+        config: Of the mapper.
+        track: Where the robot was.
+        takes: Tells which events are taken; all by default.
 
     Raises:
         ValueError: This version does not have `config.fusion`.
     """
     mapper = LayeredMapper(config, log.start)
     for event, pose in placed(log, track):
+        if not takes(event):
+            continue
         if isinstance(event, ScanEvent):
             mapper.place_scan(event.stamp_ns, event.scan, event.T_base_laser, pose)
         else:
@@ -153,7 +174,7 @@ def mapped(log: GlassLog, config: GridMapperConfig, track: Track) -> LayeredMapp
 
 
 def all_rows(
-    log: GlassLog, overlays: Mapping[str, GridMapperConfig], track: Track
+    log: GlassLog, overlays: Mapping[str, Published], track: Track
 ) -> dict[str, Mapped | None]:
     """Return the map of every row; None for a method that this version does not have.
 
@@ -163,7 +184,8 @@ def all_rows(
         track: Places everything.
     """
     rows: dict[str, Mapped | None] = {
-        name: row_of(mapped(log, config, track)) for name, config in overlays.items()
+        name: row_of(mapped(log, rule.config, track, rule.takes(log)))
+        for name, rule in overlays.items()
     }
     layers = mapped(log, GridMapperConfig(), track).layers()
     layer = RangeLayer(layers.laser)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from experiments.glass_logs import GlassLog
-from experiments.glass_methods import Mapped, Track, key_scans, mapped, placed, row_of
+from experiments.glass_methods import Mapped, Published, Track, mapped, placed, row_of
 from experiments.glass_truth import Truth
 from floornav_common.grid import OCCUPIED, OccupancyMap
-from grid_mapper.key_scans import KeyScans
 from grid_mapper.overlay import EVEN, on_cells_of
 from grid_mapper.recordings.events import ScanEvent
 from sim_bridge.drawing import draw_solids
@@ -24,16 +24,16 @@ _MARGIN_M = 0.7
 _DPI = 110
 
 
-def write_figures(path: Path, log: GlassLog, truth: Truth, track: Track) -> None:
+def write_figures(path: Path, log: GlassLog, truth: Truth, track: Track, rule: Published) -> None:
     """Draw points, sampled maps, judged maps and their overlay, as the paper's Fig. 4 to 7."""
-    config = key_scans(log)
-    raw = mapped(log, replace(config, label=replace(config.label, noise_points=0)), track)
-    done = mapped(log, config, track)
+    config, takes = rule.config, rule.takes(log)
+    raw = mapped(log, replace(config, label=replace(config.label, noise_points=0)), track, takes)
+    done = mapped(log, config, track, takes)
     layers = done.layers()
     hits = _only_hits(layers.sonar)
     figure, grid = _sheet(truth, 7, columns=2)
     panels = iter(grid)
-    lasers, echoes = _points(log, track, config)
+    lasers, echoes = _points(log, track, takes)
     for points, name in ((lasers, "4a: laser points"), (echoes, "4b: sonar echoes")):
         axes = _panel(next(panels), truth, name)
         axes.plot(*points.T, ".", color="black", ms=0.8, zorder=5)
@@ -61,15 +61,17 @@ def write_rows(path: Path, truth: Truth, rows: dict[str, Mapped | None]) -> None
     _save(path, figure)
 
 
-def _points(log: GlassLog, track: Track, config: Any) -> tuple[np.ndarray, np.ndarray]:
+def _points(
+    log: GlassLog, track: Track, takes: Callable[[Any], bool]
+) -> tuple[np.ndarray, np.ndarray]:
     """Return points of the key scans, and echoes on the axis of their sonar, in the map."""
-    keys, lasers, echoes = KeyScans(), [], []
+    lasers, echoes = [], []
     for event, pose in placed(log, track):
         if not isinstance(event, ScanEvent):
             if event.reading.is_hit:
                 T = pose @ event.T_base_sonar
                 echoes.append(T @ np.array([[event.range, 0.0]]))
-        elif keys.take(event.stamp_ns, pose, config.map_key):
+        elif takes(event):
             lasers.append((pose @ event.T_base_laser) @ event.scan.points())
     return np.vstack(lasers), np.vstack(echoes)
 
