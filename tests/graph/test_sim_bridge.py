@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
@@ -146,3 +147,11 @@ def test_sigint_ends_it_cleanly(sim) -> None:
     process = sim("real_time_factor:=0.0")
     assert process.stop(signal.SIGINT) == 0
     assert "Traceback" not in process.text
+
+
+def test_no_odometry_claims_to_be_certain(sim, peer) -> None:
+    odometry = peer.collect(Odometry, "odom", RELIABLE_QOS)
+    sim()
+    peer.spin_until(lambda: bool(odometry))
+    variances = np.diag(np.reshape(odometry[0].pose.covariance, (6, 6)))
+    assert np.all(variances[[0, 1, 5]] > 0.0)

@@ -31,6 +31,9 @@ def velocity_from_msg(msg: Any) -> Velocity:
     return Velocity(float(twist.linear.x), float(twist.angular.z), float(twist.linear.y))
 
 
+_LEAST_SD = 1e-4  # m, rad: a variance of 0, as at the start, makes filters divide by it
+
+
 def odometry_msg(
     state: OdometryState, config: OdometryConfig, stamp_ns: int, frame: str, child: str
 ) -> Any:
@@ -38,7 +41,7 @@ def odometry_msg(
     reading = OdometryReading(
         T_odom_base=state.pose,
         twist=(state.velocity.speed, state.velocity.side_speed, state.velocity.yaw_rate),
-        pose_cov=state.cov,
+        pose_cov=state.cov + _LEAST_SD**2 * np.eye(3),
         twist_cov=np.diag([config.speed_sd, config.speed_sd, config.yaw_rate_sd]) ** 2,
     )
     return odometry_to_msg(reading, ns_to_stamp(stamp_ns), frame, child)
