@@ -38,9 +38,15 @@ class BayesConfig:
         "over at most this length without contradiction.",
         unit="m", ge=0.0,
     )  # fmt: skip
+    line_reach_m: float = param(
+        10.0,
+        "A pane's line is searched so far beyond its echoes for more bays of glass between posts: "
+        "walls go on. There beams that dirt sent back are all that tells of glass.",
+        unit="m", ge=0.0,
+    )  # fmt: skip
     echo_log_odds: float = param(0.9, "What an echo adds to a stretch of pane.", gt=0.0)
     miss_log_odds: float = param(
-        -0.9, "What a sonar that faced the stretch squarely and heard nothing there adds.", lt=0.0
+        -1.8, "What a cone that met the stretch squarely and heard nothing there adds.", lt=0.0
     )
     hit_log_odds: float = param(
         0.9, "What beams add that came back from the stretch, though most cross it.", ge=0.0

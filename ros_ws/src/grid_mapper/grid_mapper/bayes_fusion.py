@@ -54,9 +54,11 @@ class BayesFusion:
         self._opaque = OpaqueCells(config.resolution_m)
         self._turn = 0
         self._fresh: deque[tuple[int, int]] = deque()
+        self._panes: np.ndarray | None = None
 
     def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
         """Trace a scan's beams, and judge some views again."""
+        self._panes = None
         self._opaque.add_scan(scan, T_map_laser, stamp_ns, self._config.log_odds)
         rows = self._due(stamp_ns - SOON_NS)
         if self._views.num:
@@ -77,12 +79,18 @@ class BayesFusion:
         most = self._config.bayes.max_repeats
         row = self._views.add(T_map_sonar, half, r, is_echo, stamp_ns, most)
         self._judge([row])
+        self._panes = None
         self._fresh.append((stamp_ns, row))
         if len(self._fresh) > MAX_FRESH:
             self._fresh.popleft()
 
     def panes(self) -> np.ndarray:
         """Return the stretches of glass found, as (x0, y0, x1, y1), shape (N, 4), m."""
+        if self._panes is None:
+            self._panes = self._find_panes()
+        return self._panes
+
+    def _find_panes(self) -> np.ndarray:
         if self._fresh:
             self._judge([row for _, row in self._fresh])
         found: list[np.ndarray] = []
@@ -94,6 +102,11 @@ class BayesFusion:
             way = np.array([-np.sin(line.theta), np.cos(line.theta)])
             found += [np.concatenate((foot + a * way, foot + b * way)) for a, b in ends]
         return np.array(found).reshape(-1, 4)
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held."""
+        return self._views.num_bytes + self._opaque.num_bytes
 
     def _is_heard_through(self, line: PaneLine, panes: list[np.ndarray]) -> bool:
         """Tell whether most echoes of a line came from behind panes nearer than it."""

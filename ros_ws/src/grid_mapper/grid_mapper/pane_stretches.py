@@ -19,8 +19,10 @@ from grid_mapper.pane_lines import PaneLine, lies_on
 
 SPOT_M = 0.1
 """Half the length of glass that sends an echo back: the first Fresnel zone at 50 kHz and 2 m."""
-SQUARE_RAD = 0.035
-"""A miss counts where the normal lies this far inside the cone."""
+SQUARE_RAD = 0.19
+"""Glass met within this of its normal answers for sure: the critical angle less two deviations."""
+EDGE_RAD = 0.035
+"""A miss says nothing of what lies this near the edge of the cone."""
 BODY_M = 0.12
 """A sonar so near the line was on it: the robot went through."""
 WENT_THROUGH = 10.0
@@ -41,24 +43,34 @@ def stretches(line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cel
         config: Its log-odds, `max_bay_m` and `weak_share` are used.
         cells: Of the laser.
     """
-    step, beyond = cells.resolution, config.max_bay_m + SPOT_M
-    first = line.low - beyond
-    num = int(np.ceil((line.high + beyond - first) / step))
-    tolerance = config.range_tolerance_m, config.range_tolerance_share
-    odds, weak, newest = heard(views, line.theta, line.rho, first, step, num, *tolerance)
-    odds *= config.echo_log_odds
-    is_opaque, is_hit = seen(cells, line.theta, line.rho, first, num)
-    odds += config.hit_log_odds * is_hit
-    missed, newer = missing(views, line.theta, line.rho, first, step, newest)
-    odds += config.miss_log_odds * missed
-    has_gone = (newer >= config.moved_misses) & (newest > 0)
-    states = np.where(weak > 0.0, WEAK, NEUTRAL)
-    states[odds > config.min_log_odds] = GLASS
-    states[(odds < -config.min_log_odds) | has_gone] = OPEN
-    states[is_opaque] = OPAQUE
+    step = cells.resolution
+    first = line.low - config.line_reach_m
+    num = int(np.ceil((line.high + config.line_reach_m - first) / step))
+    states = _states(line, views, config, cells, first, num)
     is_glass = _filled(states, round(config.max_bay_m / step), config.weak_share)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], is_glass, [False])).astype(np.int8)))
     return np.asarray(first + step * edges.reshape(-1, 2))
+
+
+def _states(
+    line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cells, first: float, num: int
+) -> np.ndarray:
+    """Return what each bin of a line is, from `first` on, shape (num,)."""
+    step, theta, rho = cells.resolution, line.theta, line.rho
+    tolerance = config.range_tolerance_m, config.range_tolerance_share
+    echoes, weak, newest = heard(views, theta, rho, first, step, num, *tolerance)
+    missed, newer = missing(views, theta, rho, first, step, newest)
+    is_opaque, hits = seen(cells, theta, rho, first, num)
+    odds = config.echo_log_odds * echoes + config.miss_log_odds * missed
+    odds += config.hit_log_odds * (hits >= MIN_HITS)
+    has_gone = (newer >= config.moved_misses) & (newest > 0)
+    along = first + (np.arange(num) + 0.5) * step
+    is_near = (along > line.low - config.max_bay_m) & (along < line.high + config.max_bay_m)
+    states = np.where((weak > 0.0) | (hits > 0) | (odds > config.min_log_odds), WEAK, NEUTRAL)
+    states[is_near & (odds > config.min_log_odds)] = GLASS
+    states[(odds < -config.min_log_odds) | has_gone] = OPEN
+    states[is_opaque] = OPAQUE
+    return np.asarray(states)
 
 
 def _filled(states: np.ndarray, max_bins: int, weak_share: float) -> np.ndarray:
@@ -118,35 +130,45 @@ def missing(views, theta, rho, first, step, newest):  # type: ignore[no-untyped-
     missed, newer = np.zeros(num), np.zeros(num)
     for i in range(len(views)):
         view = views[i]
-        a, b = _spot(c * view.y - s * view.x, first, step, num)
-        lost = _misses(view, theta, rho - (c * view.x + s * view.y)) if a < b else 0.0
-        for k in range(a, b) if lost > 0.0 else range(0):
+        along, d = c * view.y - s * view.x, rho - (c * view.x + s * view.y)
+        lost = view.weight
+        if abs(d) < BODY_M:
+            low, high, lost = along - SPOT_M, along + SPOT_M, WENT_THROUGH
+        elif view.r > abs(d) + FREE_BEYOND_M:
+            low, high = _faced(view, theta, along, d)
+        else:
+            continue
+        a = max(int(np.ceil((low - first) / step - 0.5)), 0)
+        b = min(int(np.floor((high - first) / step - 0.5)) + 1, num)
+        for k in range(a, b):
             missed[k] += lost
             newer[k] += lost if view.stamp_ns > newest[k] else 0.0
     return missed, newer
 
 
 @numba.njit(cache=True, inline="always")
-def _misses(view, theta, d):  # type: ignore[no-untyped-def]
-    """Return how strongly a view denies that there is glass squarely before it at `d`, m."""
-    if abs(d) < BODY_M:
-        return WENT_THROUGH
-    off = wrapped(theta - view.yaw if d > 0.0 else theta + np.pi - view.yaw)
-    if abs(off) > view.half - SQUARE_RAD or view.r < abs(d) + FREE_BEYOND_M:
-        return 0.0
-    return view.weight
+def _faced(view, theta, along, d):  # type: ignore[no-untyped-def]
+    """Return from where to where a cone met a line so squarely that glass had answered, m."""
+    off = wrapped(view.yaw - theta if d > 0.0 else view.yaw - theta - np.pi)
+    low = max(off - view.half + EDGE_RAD, -SQUARE_RAD)
+    high = min(off + view.half - EDGE_RAD, SQUARE_RAD)
+    if high <= low:
+        return 0.0, -1.0
+    if d > 0.0:
+        return along + d * np.tan(low), along + d * np.tan(high)
+    return along + d * np.tan(high), along + d * np.tan(low)
 
 
 @numba.njit(cache=True)
 def seen(cells, theta, rho, first, num):  # type: ignore[no-untyped-def]
-    """Return where the laser sees something opaque on the line or beside, and where it was hit."""
+    """Return where the laser sees something opaque on the line or beside, and most hits there."""
     c, s, step = np.cos(theta), np.sin(theta), cells.resolution
-    is_opaque, is_hit = np.zeros(num, np.bool_), np.zeros(num, np.bool_)
+    is_opaque, most_hits = np.zeros(num, np.bool_), np.zeros(num, np.uint8)
     for k in range(num):
         along = first + (k + 0.5) * step
         for side in range(-1, 2):
             d = rho + side * step
             log_odds, hits = at(cells, d * c - along * s, d * s + along * c)
             is_opaque[k] |= log_odds > 0.0
-            is_hit[k] |= hits >= MIN_HITS
-    return is_opaque, is_hit
+            most_hits[k] = max(most_hits[k], hits)
+    return is_opaque, most_hits

@@ -1,0 +1,180 @@
+"""Panes on the map, from scans and readings of drives in worlds of a few straight surfaces."""
+
+import numpy as np
+import pytest
+
+from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from floornav_common.readings import RangeReading
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.bayes_fusion import BayesFusion, on_panes
+from grid_mapper.config import GridMapperConfig
+
+UP, HALF, REACH = np.pi / 2.0, np.deg2rad(10.0), 5.0
+ANGLES = np.deg2rad(np.arange(-180.0, 180.0, 0.5))
+ROOM = [
+    (-2.0, -1.0, 6.0, -1.0),
+    (6.0, -1.0, 6.0, 4.0),
+    (6.0, 4.0, -2.0, 4.0),
+    (-2.0, 4.0, -2.0, -1.0),
+]
+PANE = (0.0, 1.52, 3.0, 1.52)
+TOL_M = 0.04
+EMPTY = OccupancyMap(np.zeros((120, 180), np.int8), 0.05, SE2(-2.5, -1.5, 0.0))
+
+
+def distances(pose, angles, surfaces):
+    """Return the distance of the first surface in each direction, and the angle it is met at."""
+    best, slant = np.full(len(angles), np.inf), np.full(len(angles), np.inf)
+    u = np.column_stack((np.cos(angles), np.sin(angles)))
+    for x0, y0, x1, y1 in surfaces:
+        way, to = np.array([x1 - x0, y1 - y0]), np.array([x0 - pose.x, y0 - pose.y])
+        cross = u[:, 0] * way[1] - u[:, 1] * way[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (to[0] * way[1] - to[1] * way[0]) / cross
+            s = (to[0] * u[:, 1] - to[1] * u[:, 0]) / cross
+        is_hit = (t > 0.0) & (s >= 0.0) & (s <= 1.0) & (t < best)
+        best[is_hit] = t[is_hit]
+        slant[is_hit] = np.arccos(np.minimum(np.abs(cross) / np.hypot(*way), 1.0))[is_hit]
+    return best, slant
+
+
+def echo(pose, surfaces):
+    """Return the range of the first surface that answers a sonar within 15 degrees, else inf."""
+    r, slant = distances(pose, pose.yaw + np.linspace(-HALF, HALF, 41), surfaces)
+    return float(np.min(r[slant <= np.deg2rad(15.0)], initial=np.inf))
+
+
+def drive(fusion, poses, opaque, glass, yaws=(UP, -UP), start_s=0):
+    """Feed what a laser and sonars would measure from poses, half a second apart."""
+    for k, pose in enumerate(poses):
+        stamp = round((start_s + 0.5 * k) * 1e9)
+        r, _ = distances(pose, pose.yaw + ANGLES, opaque)
+        scan = Scan(r, float(ANGLES[0]), float(np.deg2rad(0.5)), 0.05, 10.0)
+        fusion.add_scan(scan, pose, stamp)
+        for yaw in yaws:
+            sonar = SE2(pose.x, pose.y, pose.yaw + yaw)
+            heard = echo(sonar, [*opaque, *glass])
+            heard = heard if heard < REACH else np.inf
+            fusion.add_range(RangeReading(heard, 2 * HALF, 0.1, REACH), sonar, stamp)
+
+
+def along(y=0.0, low=-0.5, high=3.5, yaw=0.0):
+    return [SE2(float(x), y, yaw) for x in np.arange(low, high, 0.08)]
+
+
+def mapped(*args, **kwargs):
+    fusion = BayesFusion(GridMapperConfig(fusion="bayes"))
+    drive(fusion, *args, **kwargs)
+    return fusion
+
+
+def occupied(fusion):
+    """Return the centers of occupied cells, (N, 2)."""
+    cells = fusion.occupancy(EMPTY)
+    return cells.to_points(np.argwhere(cells.cells >= 50))
+
+
+def test_a_pane_that_the_laser_looks_through_is_a_thin_wall_in_its_place():
+    points = occupied(mapped(along(), ROOM, [PANE]))
+    assert np.abs(points[:, 1] - 1.52).max() <= TOL_M
+    assert points[:, 0].min() == pytest.approx(0.0, abs=0.25)
+    assert points[:, 0].max() == pytest.approx(3.0, abs=0.25)
+    columns = np.unique(np.round(points[:, 0], 3))
+    assert np.diff(columns).max() < 0.06  # no hole
+
+
+def test_the_glass_layer_says_the_same():
+    glass = mapped(along(), ROOM, [PANE]).glass()
+    assert set(np.unique(glass.cells)) == {UNKNOWN, OCCUPIED}
+    points = glass.to_points(np.argwhere(glass.cells == OCCUPIED))
+    assert np.abs(points[:, 1] - 1.52).max() <= TOL_M
+
+
+def test_a_room_without_glass_has_none():
+    assert len(mapped(along(), ROOM, []).panes()) == 0
+
+
+def test_a_pane_seen_from_both_sides_is_one_thin_wall():
+    fusion = mapped(along(), ROOM, [PANE])
+    drive(fusion, along(y=2.8), ROOM, [PANE], start_s=100)
+    points = occupied(fusion)
+    assert np.abs(points[:, 1] - 1.52).max() <= TOL_M
+
+
+def test_nothing_is_drawn_behind_a_pane_where_sound_comes_by_mirrors():
+    # At a slant the pane mirrors sound to the wall at the right: heard as if behind the pane.
+    fusion = mapped(along(), ROOM, [PANE])
+    for k, pose in enumerate(along(low=0.5, high=2.5)):
+        slanted = SE2(pose.x, pose.y, np.deg2rad(50.0))
+        mirrored = (6.0 - pose.x) / np.cos(slanted.yaw)
+        reading = RangeReading(float(min(mirrored, 4.9)), 2 * HALF, 0.1, REACH)
+        fusion.add_range(reading, slanted, round((50 + k) * 1e9))
+    points = occupied(fusion)
+    assert np.abs(points[:, 1] - 1.52).max() <= TOL_M
+
+
+def test_glass_that_was_taken_away_is_cleared():
+    fusion = mapped(along(), ROOM, [PANE])
+    drive(fusion, along(y=-0.1), ROOM, [], start_s=100)
+    assert len(fusion.panes()) == 0
+
+
+def test_a_low_box_that_the_laser_looks_over_is_an_obstacle_too():
+    box = (1.0, 1.0, 1.8, 1.0)
+    points = occupied(mapped(along(), ROOM, [box]))
+    assert np.abs(points[:, 1] - 1.0).max() <= TOL_M
+    assert np.ptp(points[:, 0]) == pytest.approx(0.8, abs=0.35)
+
+
+def test_a_doorway_between_panes_stays_open():
+    left, right = (0.0, 1.52, 1.2, 1.52), (2.4, 1.52, 3.5, 1.52)
+    points = occupied(mapped(along(), ROOM, [left, right]))
+    # Without a frame an edge is known as well as the cone is narrow: 0.27 m at this distance.
+    assert not ((points[:, 0] > 1.45) & (points[:, 0] < 2.15)).any()
+    assert ((points[:, 0] < 1.2).any(), (points[:, 0] > 2.4).any()) == (True, True)
+
+
+def test_posts_join_panes():
+    posts = [(x, 1.5, x + 0.05, 1.5) for x in (0.95, 1.95)]
+    panes = [(0.0, 1.52, 0.95, 1.52), (1.0, 1.52, 1.95, 1.52), (2.0, 1.52, 3.0, 1.52)]
+    fusion = mapped(along(), [*ROOM, *posts], panes)
+    spans = np.sort(np.abs(fusion.panes()[:, [0, 2]]), axis=1)
+    spans = spans[np.argsort(spans[:, 0])]
+    for (_, end), (start, _) in zip(spans[:-1], spans[1:], strict=True):
+        assert start - end <= 0.2  # a post's width and the cells it fills
+
+
+def test_moving_robot_and_world_together_moves_the_panes():
+    T = SE2(3.0, -1.0, 0.7)
+    moved = [[*(T @ np.reshape(w, (2, 2))).ravel()] for w in [*ROOM, PANE]]
+    there = mapped([T @ pose for pose in along()], moved[:-1], moved[-1:]).panes()
+    ends = (T.inverse() @ there.reshape(-1, 2)).reshape(-1, 2)
+    assert np.abs(ends[:, 1] - 1.52).max() <= TOL_M
+    assert np.ptp(ends[:, 0]) == pytest.approx(3.0, abs=0.5)
+
+
+def test_the_same_input_gives_the_same_map_and_a_standing_robot_adds_nothing():
+    one, other = mapped(along(), ROOM, [PANE]), mapped(along(), ROOM, [PANE])
+    assert np.array_equal(one.panes(), other.panes())
+    drive(other, [SE2(1.0, 0.0, 0.0)] * 50, ROOM, [PANE], start_s=100)
+    before = other.num_bytes
+    drive(other, [SE2(1.0, 0.0, 0.0)] * 500, ROOM, [PANE], start_s=200)
+    assert other.num_bytes == before
+    assert np.abs(occupied(other)[:, 1] - 1.52).max() <= TOL_M
+
+
+def test_readings_that_say_nothing_change_nothing():
+    fusion = BayesFusion(GridMapperConfig(fusion="bayes"))
+    for r in (np.nan, -np.inf, 0.0, 9.0):
+        fusion.add_range(RangeReading(r, 2 * HALF, 0.1, REACH), SE2.identity(), 0)
+    assert fusion.glass().cells.size == 0
+    assert fusion.occupancy(EMPTY).cells.max() == FREE
+
+
+@pytest.mark.parametrize(("y", "rows"), [(0.025, 1), (0.05, 2), (0.04, 2), (0.03, 1)])
+def test_a_pane_is_one_cell_thick_or_two_where_it_lies_on_their_border(y, rows):
+    like = OccupancyMap(np.zeros((10, 10), np.int8), 0.05, SE2(0.0, -0.25, 0.0))
+    is_on = on_panes(like, np.array([[0.0, y, 0.5, y]]), 0.0375)
+    assert int(is_on.any(axis=1).sum()) == rows
+    assert is_on.any(axis=0).all()
