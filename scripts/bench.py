@@ -30,6 +30,8 @@ from floornav_common.reporting import (  # noqa: E402
 JOBS = {
     "scan_matching": "scan-to-map ICP on a 66 m loop, beside kiss-icp and genz-icp",
     "map_update": "a scan into the map, beside a plain ray trace",
+    "sonar_update": "a sonar reading into the map, and a whole update with its scan match",
+    "glass_map": "all layers for publishing on a plan of 50 x 50 m",
     "simulation": "real-time factor by sensor set, and a frame beside the bare pybullet call",
     "floor": "from image to free space, beside bare OpenCV passes",
     "avoidance": "from a scan to a command, beside the same in plain numpy",
