@@ -26,4 +26,13 @@ def compile_kernels(fusion: str = "overlay") -> None:
         for step in range(2):
             mapper.insert_range(step, RangeReading(1.0, 0.3, 0.1, 4.0), here, "sonar")
             mapper.insert_scan(step, scan, here, SE2(0.5 * step, 0.0, 0.0))
+        _hear_a_pane(mapper)
         mapper.layers()
+
+
+def _hear_a_pane(mapper: LayeredMapper) -> None:
+    """Pass a pane: lines are fitted only where echoes agree on one."""
+    aside = SE2(0.0, 0.0, np.pi / 2.0)
+    for step in range(10):
+        place = SE2(0.1 * step, 0.0, 0.0)
+        mapper.place_range(step, RangeReading(1.0, 0.3, 0.1, 4.0), aside, "sonar", place)
