@@ -12,14 +12,15 @@ from painted_floors import BROWN, GRAY, GREEN, WHITE
 
 from floor_perception.color_files import load_color, save_color
 from floor_perception.color_model import (
+    FloorColor,
     chromaticity,
     classify,
     color_table,
     differs,
+    followed,
     has_color,
     learn,
     response_part,
-    shifted,
 )
 from floor_perception.config import ColorConfig
 
@@ -84,12 +85,43 @@ def test_only_the_spans_are_looked_up() -> None:
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.01, 1.0))
-def test_a_part_of_the_way_lies_between(part: float) -> None:
-    old, new = learn(pixels(GREEN, 500), CONFIG), learn(pixels(BROWN, 500), CONFIG)
-    now = shifted(old, new, part)
-    assert now.chroma == pytest.approx(old.chroma + part * (new.chroma - old.chroma))
-    assert min(old.middle, new.middle) <= now.middle <= max(old.middle, new.middle)
-    assert differs(old, new) and not differs(old, old)
+def test_a_color_followed_goes_a_part_of_the_way_and_keeps_its_spread(part: float) -> None:
+    old, new = learn(pixels(GREEN, 500), CONFIG), pixels(BROWN, 500)
+    now = followed(old, new, part)
+    target = np.median(chromaticity(new), axis=0)
+    assert now.chroma == pytest.approx(old.chroma + part * (target - old.chroma))
+    assert now.middle == pytest.approx(old.middle * (330.0 / old.middle) ** part, rel=0.01)
+    assert now.low / now.middle == pytest.approx(old.low / old.middle)
+    assert now.high / now.middle == pytest.approx(old.high / old.middle)
+    assert (now.cov == old.cov).all()
+    assert differs(old, followed(old, new, 1.0)) and not differs(old, old)
+
+
+def test_what_is_the_smaller_part_of_the_pixels_hardly_moves_the_color() -> None:
+    old = learn(pixels(GREEN, 500), CONFIG)
+    mixed = np.concatenate((pixels(GREEN, 550, 1), pixels((13, 60, 20), 450, 2)))
+    now = followed(old, mixed, 1.0)
+    assert now.middle == pytest.approx(old.middle, rel=0.05)
+    assert now.chroma == pytest.approx(old.chroma, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("value", "words"), [(0, "too dark"), (9, "too dark"), (254, "saturated"), (255, "saturated")]
+)
+def test_no_color_is_learned_in_the_dark_or_where_all_is_saturated(value: int, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        learn(np.full((100, 3), value, dtype=np.uint8), CONFIG)
+
+
+def test_a_floor_partly_black_is_learned_and_black_is_not_floor() -> None:
+    mixed = np.concatenate((pixels((20, 60, 20), 950), np.zeros((50, 3), dtype=np.uint8)))
+    color = learn(mixed, CONFIG)
+    assert np.isfinite([color.low, color.middle, color.high, *color.chroma]).all()
+    assert not differs(color, followed(color, mixed, 1e-9))
+    assert color_table(color, CONFIG)[0] == 0
+    black = FloorColor(color.chroma, color.cov, 1.0, 100.0, 200.0)  # as deep shadows would have it
+    assert not has_color(black, np.array([[2, 6, 2]]), CONFIG).any()
+    assert differs(color, black)
 
 
 def test_a_response_is_two_thirds_through_after_its_time_constant() -> None:

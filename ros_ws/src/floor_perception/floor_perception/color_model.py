@@ -10,7 +10,7 @@ a table over the color cube that is filled once and read for each pixel.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numba
@@ -23,8 +23,13 @@ _STEP = 256 // TABLE_EDGE
 _BINS = 64
 _NUM_TRIMS = 4
 _MIN_PIXELS = 50
+_LEAST_BRIGHTNESS = 30.0  # of R + G + B: darker, noise is larger than color
+_DARKEST = 15.0
+_SATURATED = 750.0
 _MOVED_SD = 0.1
 _MOVED_RATIO = 0.05
+_NEAR_SD = 2.0
+_NEAR_RATIO = 1.5
 
 
 @dataclass(frozen=True)
@@ -61,12 +66,23 @@ def learn(colors: np.ndarray, config: ColorConfig, share: float = 0.0) -> FloorC
         share: Least share of the pixels that must have the color found.
 
     Raises:
+        ValueError: Too few pixels, no color that so many share, or one too dark or too bright.
+    """
+    color = densest(colors, config, share)
+    refuse_useless(color)
+    return color
+
+
+def densest(colors: np.ndarray, config: ColorConfig, share: float = 0.0) -> FloorColor:
+    """Return what `learn` does, though it may be too dark or too bright to tell the floor by.
+
+    Raises:
         ValueError: Too few pixels, or no color that so many share.
     """
     if len(colors) < _MIN_PIXELS:
         raise ValueError(f"colors must be at least {_MIN_PIXELS} pixels, got {len(colors)}")
     chroma = chromaticity(colors)
-    mean, cov = _densest(chroma), np.eye(2) * (1.5 / _BINS) ** 2
+    mean, cov = _peak(chroma), np.eye(2) * (1.5 / _BINS) ** 2
     for _ in range(_NUM_TRIMS):
         near = _distance2(chroma, mean, cov) < 9.0
         mean = chroma[near].mean(axis=0)
@@ -78,11 +94,28 @@ def learn(colors: np.ndarray, config: ColorConfig, share: float = 0.0) -> FloorC
 
 
 def of_pixels(colors: np.ndarray, min_sd: float) -> FloorColor:
-    """Return the color of pixels (N, 3), R, G, B, that are all floor."""
+    """Return the color of pixels (N, 3), R, G, B, that are all of one thing."""
     chroma = chromaticity(colors)
     cov = _floored(np.cov(chroma.T), min_sd)
     low, middle, high = np.percentile(colors.sum(axis=1, dtype=float), (2, 50, 98))
-    return FloorColor(chroma.mean(axis=0), cov, float(low), float(middle), float(high))
+    low, middle, high = (max(float(v), 1.0) for v in (low, middle, high))
+    return FloorColor(chroma.mean(axis=0), cov, low, middle, high)
+
+
+def refuse_useless(color: FloorColor) -> None:
+    """Refuse a color by which the floor cannot be told.
+
+    Raises:
+        ValueError: It is nearly black, or so bright that the channels are saturated.
+    """
+    if color.middle < _LEAST_BRIGHTNESS:
+        raise ValueError(
+            f"too dark: brightness must be >= {_LEAST_BRIGHTNESS:g} of 765, got {color.middle:.0f}"
+        )
+    if color.middle >= _SATURATED:
+        raise ValueError(
+            f"saturated: brightness must be < {_SATURATED:g} of 765, got {color.middle:.0f}"
+        )
 
 
 def has_color(color: FloorColor, colors: np.ndarray, config: ColorConfig) -> np.ndarray:
@@ -90,8 +123,13 @@ def has_color(color: FloorColor, colors: np.ndarray, config: ColorConfig) -> np.
     total = colors.sum(axis=-1, dtype=float)
     d2 = _distance2(chromaticity(colors), color.chroma, color.cov)
     widened = np.maximum(1.0, color.middle / np.maximum(total, 1.0))
-    is_bright = (total >= config.darker * color.low) & (total <= config.brighter * color.high)
-    return np.asarray(is_bright & (d2 < config.gate_sd**2 * widened))
+    low, high = bounds(color, config)
+    return np.asarray((total >= low) & (total <= high) & (d2 < config.gate_sd**2 * widened))
+
+
+def bounds(color: FloorColor, config: ColorConfig) -> tuple[float, float]:
+    """Return least and greatest brightness of the floor; nearly black is never floor."""
+    return max(config.darker * color.low, _DARKEST), config.brighter * color.high
 
 
 def color_table(color: FloorColor, config: ColorConfig, order: str = "rgb") -> np.ndarray:
@@ -106,10 +144,13 @@ def color_table(color: FloorColor, config: ColorConfig, order: str = "rgb") -> n
     """
     table = np.empty(TABLE_EDGE**3, dtype=np.uint8)
     info = np.linalg.inv(color.cov)
-    low, high = config.darker * color.low, config.brighter * color.high
+    low, high = bounds(color, config)
+    totals = _STEP * (np.arange(3 * TABLE_EDGE - 2) + 1.5)
+    gates = config.gate_sd**2 * np.maximum(1.0, color.middle / totals)
+    gates[(totals < low) | (totals > high)] = -1.0
     _fill(
-        table, order == "bgr", *color.chroma, info[0, 0], info[0, 1], info[1, 1], color.middle,
-        low, high, config.gate_sd**2,
+        table, order == "bgr", *color.chroma, info[0, 0], info[0, 1], info[1, 1], 1.0 / totals,
+        gates,
     )  # fmt: skip
     return table
 
@@ -129,17 +170,29 @@ def classify(
     _look_up(image, table, spans, always, mask)
 
 
-def shifted(old: FloorColor, new: FloorColor, part: float) -> FloorColor:
-    """Return a color that has gone a part of the way from an old one to a new one."""
+def followed(old: FloorColor, colors: np.ndarray, part: float) -> FloorColor:
+    """Return a color that has gone a part of the way to what pixels (N, 3), R, G, B, show.
 
-    def between(a: float, b: float) -> float:
-        return a * (b / a) ** part
-
-    return FloorColor(
-        old.chroma + part * (new.chroma - old.chroma),
-        old.cov + part * (new.cov - old.cov),
-        *(between(getattr(old, k), getattr(new, k)) for k in ("low", "middle", "high")),
+    Medians are gone after, which an obstacle among the pixels hardly moves while it is the smaller
+    part. The spread of chromaticity and of brightness about the median stays as it was learned:
+    if it followed, whatever is let in would widen it and let more in.
+    """
+    chroma = np.median(chromaticity(colors), axis=0)
+    middle = max(float(np.median(colors.sum(axis=1, dtype=float))), 1.0)
+    scale = (middle / old.middle) ** part
+    return replace(
+        old,
+        chroma=old.chroma + part * (chroma - old.chroma),
+        low=old.low * scale,
+        middle=old.middle * scale,
+        high=old.high * scale,
     )
+
+
+def is_near(a: FloorColor, b: FloorColor) -> bool:
+    """Return whether a color is one that a light which changed a little makes of another."""
+    is_hue_near = float(_distance2(b.chroma, a.chroma, a.cov)) < _NEAR_SD**2
+    return is_hue_near and abs(math.log(b.middle / a.middle)) < math.log(_NEAR_RATIO)
 
 
 def response_part(dt: float, time_constant: float) -> float:
@@ -154,7 +207,7 @@ def differs(a: FloorColor, b: FloorColor) -> bool:
     return is_moved or max(abs(np.log(ratios))) > _MOVED_RATIO
 
 
-def _densest(chroma: np.ndarray) -> np.ndarray:
+def _peak(chroma: np.ndarray) -> np.ndarray:
     """Return the chromaticity that most pixels have nearby."""
     counts = np.histogram2d(chroma[:, 0], chroma[:, 1], bins=_BINS, range=((0, 1), (0, 1)))[0]
     smooth = cv2.GaussianBlur(counts, (0, 0), 1.0, borderType=cv2.BORDER_CONSTANT)
@@ -173,17 +226,18 @@ def _floored(cov: np.ndarray, min_sd: float) -> np.ndarray:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _fill(table, is_bgr, r0, g0, irr, irg, igg, middle, low, high, gate2):  # type: ignore[no-untyped-def]
-    for k in range(len(table)):
-        first = (k // (TABLE_EDGE * TABLE_EDGE) + 0.5) * _STEP
-        green = (k // TABLE_EDGE % TABLE_EDGE + 0.5) * _STEP
-        last = (k % TABLE_EDGE + 0.5) * _STEP
-        red = last if is_bgr else first
-        total = first + green + last
-        dr, dg = red / total - r0, green / total - g0
-        d2 = irr * dr * dr + 2.0 * irg * dr * dg + igg * dg * dg
-        is_floor = low <= total <= high and d2 < gate2 * max(1.0, middle / total)
-        table[k] = 255 if is_floor else 0
+def _fill(table, is_bgr, r0, g0, irr, irg, igg, inverses, gates):  # type: ignore[no-untyped-def]
+    """Fill the table; what depends on the brightness alone is given for each sum of indices."""
+    for a in range(TABLE_EDGE):
+        for b in range(TABLE_EDGE):
+            row = table[(a * TABLE_EDGE + b) * TABLE_EDGE :][:TABLE_EDGE]
+            inverse, gate = inverses[a + b :], gates[a + b :]
+            green, first = (b + 0.5) * _STEP, (a + 0.5) * _STEP
+            for c in range(TABLE_EDGE):
+                red = (c + 0.5) * _STEP if is_bgr else first
+                dr, dg = red * inverse[c] - r0, green * inverse[c] - g0
+                d2 = irr * dr * dr + 2.0 * irg * dr * dg + igg * dg * dg
+                row[c] = 255 if d2 < gate[c] else 0
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -5,6 +5,10 @@ show, as long as enough directions have them: an obstacle that the robot touches
 so its pixels do not count, and it covers the ring only in part. A sudden change of light leaves no
 floor-colored pixel; the color is learned anew only if nearly the whole ring has had one other color
 for a while, which no obstacle can cause.
+
+An obstacle may have the floor's hue and be darker, as a shadow is. So the floor is followed where
+it is about as bright as it was, or where it is equally bright all around, and as long as something
+may hide a part of the ring the color stays near what the whole ring showed last.
 """
 
 from __future__ import annotations
@@ -13,11 +17,11 @@ import numpy as np
 
 from floor_perception.color_model import (
     FloorColor,
+    followed,
     has_color,
+    is_near,
     learn,
-    of_pixels,
     response_part,
-    shifted,
 )
 from floor_perception.config import ColorConfig
 from floor_perception.first_color import learn_first
@@ -27,6 +31,7 @@ _SECTOR_SHARE = 0.5
 _MAX_PIXELS = 1000
 _MAX_FIRST_PIXELS = 4000
 _MIN_PIXELS = 50
+_ALIKE = 1.25  # ratio of brightnesses in one light
 
 
 class ColorTracker:
@@ -62,6 +67,8 @@ class ColorTracker:
         self._seen_ns: int | None = None
         self._period_ns = int(1e9 * config.look_s)
         self._other_since_ns: int | None = None
+        self._num_other = 0
+        self._whole = color  # as the whole ring showed it last
 
     def forget(self) -> None:
         """Forget how much time has passed: stamps jumped back."""
@@ -90,16 +97,39 @@ class ColorTracker:
         self.support = self._support_of(is_floor)
         if self.support >= self._config.ring_share:
             self._other_since_ns, self.reason = None, ""
-            return self._follow(colors[is_floor], dt)
+            return self._follow(colors, is_floor, dt)
         self.reason = f"only {self.support:.0%} of the ring around the robot has the floor's color"
         return self._relearn(colors, stamp_ns)
 
-    def _follow(self, colors: np.ndarray, dt: float) -> bool:
+    def _follow(self, colors: np.ndarray, is_floor: np.ndarray, dt: float) -> bool:
         part = response_part(dt, self._config.adapt_s)
-        if part == 0.0 or self.color is None or len(colors) < _MIN_PIXELS:
+        if part == 0.0 or self.color is None or self._whole is None:
             return False
-        self.color = shifted(self.color, of_pixels(colors, self._config.min_sd), part)
+        total = colors.sum(axis=1, dtype=float)
+        low, high = self.color.low / _ALIKE, self.color.high * _ALIKE
+        is_shown = is_floor & (total >= low) & (total <= high)
+        share = self._support_of(is_shown)
+        if share < self._config.relearn_share:
+            is_even = is_floor & self._is_even(total, is_floor)
+            share_even = self._support_of(is_even)
+            if share_even >= self._config.relearn_share:
+                is_shown, share = is_even, share_even
+        if share < self._config.ring_share or is_shown.sum() < _MIN_PIXELS:
+            self.reason = f"only {share:.0%} of the ring is as bright as the floor was"
+            return False
+        new = followed(self.color, colors[is_shown], part)
+        is_whole = share >= self._config.relearn_share
+        if not is_whole and not is_near(self._whole, new):
+            self.reason = f"the light changes, but only {share:.0%} of the ring shows the floor"
+            return False
+        self.color = new
+        self._whole = new if is_whole else self._whole
         return True
+
+    def _is_even(self, total: np.ndarray, is_floor: np.ndarray) -> np.ndarray:
+        """Return which pixels are about as bright as most of the floor-colored ones."""
+        middle = np.median(total[is_floor])
+        return np.asarray((total >= middle / _ALIKE) & (total <= middle * _ALIKE))
 
     def _relearn(self, colors: np.ndarray, stamp_ns: int) -> bool:
         """Learn anew once nearly all of the ring has shared another color for long enough."""
@@ -107,9 +137,10 @@ class ColorTracker:
             self._other_since_ns = None
             return False
         if self._other_since_ns is None:
-            self._other_since_ns = stamp_ns
+            self._other_since_ns, self._num_other = stamp_ns, 0
+        self._num_other += 1
         waited = 1e-9 * (stamp_ns - self._other_since_ns)
-        if waited < self._config.relearn_s:
+        if waited < self._config.relearn_s or self._num_other < self._config.relearn_looks:
             return False
         self._adopt(learn(colors, self._config), colors)
         return True
@@ -135,7 +166,7 @@ class ColorTracker:
         return True
 
     def _adopt(self, color: FloorColor, colors: np.ndarray) -> None:
-        self.color = color
+        self.color = self._whole = color
         self.support = self._support_of(has_color(color, colors, self._config))
         self._other_since_ns, self.reason = None, ""
 

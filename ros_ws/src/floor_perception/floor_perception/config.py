@@ -26,6 +26,12 @@ class ColorConfig:
     brighter: float = param(
         1.8, "The floor in light is at most so many times as bright as around the robot.", ge=1.0
     )
+    glare_share: float = param(
+        0.5,
+        "A direction is not seen if more than this share of the cell that ends it is saturated in "
+        "all channels; 1 takes glare for an obstacle.",
+        gt=0.0, le=1.0,
+    )  # fmt: skip
     ring_m: float = param(
         0.15, "Width of the ring on the floor, from range_min_m on, that shows the floor's color.",
         unit="m", gt=0.0,
@@ -42,6 +48,9 @@ class ColorConfig:
         1.0, "Learned anew when the whole ring has had one other color for so long; 0 never.",
         unit="s", ge=0.0,
     )  # fmt: skip
+    relearn_looks: int = param(
+        5, "And in so many looks in a row, however slow the camera is.", ge=1, le=1000
+    )
     relearn_share: float = param(
         0.9, "Share of the ring that must agree on the other color: more than obstacles cover.",
         gt=0.5, le=1.0,

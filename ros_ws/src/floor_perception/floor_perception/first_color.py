@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from floor_perception.color_model import FloorColor, has_color, learn
+from floor_perception.color_model import FloorColor, densest, has_color, refuse_useless
 from floor_perception.config import ColorConfig
 
 _NUM_DIRECTIONS = 72
@@ -35,8 +35,17 @@ def learn_first(
         config: How near colors are, and the share one must have.
 
     Raises:
-        ValueError: No color prevails, or the one that does lies outside of another.
+        ValueError: No color prevails, the one that does lies outside of another, or the floor is
+            too dark or too bright to have a color.
     """
+    color = _innermost(colors, bearings, distances, config)
+    refuse_useless(color)
+    return color
+
+
+def _innermost(
+    colors: np.ndarray, bearings: np.ndarray, distances: np.ndarray, config: ColorConfig
+) -> FloorColor:
     found, labels = colors_of(colors, config)
     shares = np.bincount(labels[labels >= 0], minlength=len(found)) / len(labels)
     most = int(shares.argmax())
@@ -44,6 +53,7 @@ def learn_first(
     is_inside = (inside[:, most] >= _MIN_DIRECTIONS) & (inside[:, most] > 2 * inside[most])
     if not is_inside.any():
         if shares[most] < config.ring_share:
+            refuse_useless(found[most])  # the better reason: it has hardly a pixel then
             raise ValueError(
                 f"only {shares[most]:.0%} of the pixels share a color, not {config.ring_share:.0%}"
             )
@@ -59,14 +69,14 @@ def colors_of(colors: np.ndarray, config: ColorConfig) -> tuple[list[FloorColor]
     Raises:
         ValueError: Too few pixels.
     """
-    found: list[FloorColor] = [learn(colors, config)]
+    found: list[FloorColor] = [densest(colors, config)]
     labels = np.where(has_color(found[0], colors, config), 0, -1)
     while len(found) < _MAX_COLORS:
         (rest,) = np.nonzero(labels < 0)
         if len(rest) < _MIN_SHARE * len(labels):
             break
         try:
-            color = learn(colors[rest], config)
+            color = densest(colors[rest], config)
         except ValueError:
             break
         own = rest[has_color(color, colors[rest], config)]

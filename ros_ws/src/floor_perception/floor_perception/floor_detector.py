@@ -11,7 +11,9 @@ from floor_perception.color_model import FloorColor, color_table, differs
 from floor_perception.color_tracker import ColorTracker
 from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_mask import FloorMasker, closing_px
-from floor_perception.free_space import floor_areas, ratios_and_ranges
+from floor_perception.free_space import NOT_SEEN, floor_areas, ratios_and_ranges
+from floor_perception.glare import GlareFinder
+from floor_perception.image_size import camera_at_size
 from floor_perception.polar_template import PolarTemplate, make_template, row_spans
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.scan import Scan
@@ -73,7 +75,8 @@ class FloorDetector:
             stamp_ns: When it was taken.
 
         Raises:
-            ValueError: The image has not three channels, or the camera sees no floor in it.
+            ValueError: The image has not three channels or another shape than the camera's, or no
+                floor can be seen in it.
         """
         self.track(image, order, stamp_ns)
         if self.tracker.color is None:
@@ -84,6 +87,10 @@ class FloorDetector:
         ratios, ranges = ratios_and_ranges(
             floor_areas(mask, self.template), self.template, self._config.template.free_share
         )
+        is_glare = self.glare.unseen(
+            image, ratios, self._config.template.free_share, self._config.color.glare_share
+        )
+        ranges[is_glare] = NOT_SEEN
         return FloorResult(mask, ratios, self._scan(ranges))
 
     def track(self, image: np.ndarray, order: str, stamp_ns: int) -> None:
@@ -138,9 +145,8 @@ class FloorDetector:
 
     def _set_size(self, height: int, width: int, color: FloorColor | None) -> None:
         """Make template, mask and ring for images of a size."""
-        camera, config = self._calibrated, self._config
-        if (height, width) != (camera.height_px, camera.width_px):
-            camera = camera.resized(width, height)
+        config = self._config
+        camera = camera_at_size(self._calibrated, height, width)
         is_hidden = None
         if self._hidden is not None:
             hidden = cv2.resize(self._hidden, (width, height), interpolation=cv2.INTER_NEAREST)
@@ -148,6 +154,7 @@ class FloorDetector:
         template = make_template(camera, config.template, is_hidden)
         masker = make_masker(camera, config, template, is_hidden)
         self.camera, self.template, self.masker = camera, template, masker
+        self.glare = GlareFinder(template)
         self._ring = ring_pixels(camera, config, is_hidden)
         self._size = (height, width)
         self._start_tracking(color)
@@ -174,6 +181,9 @@ def make_masker(
     if is_hidden is not None:
         is_robot |= is_hidden & np.isfinite(distance)
     is_used = np.isfinite(distance) & ~is_robot
+    if not is_used.any():
+        size = f"{camera.width_px} x {camera.height_px}"
+        raise ValueError(f"images must show floor beyond the robot, none is seen at {size} pixels")
     bridge = closing_px(config.mask.mark_m, px_per_m(camera, float(template.edges[0])))
     return FloorMasker(row_spans(is_used), is_used, is_robot, config.mask.speck_px, bridge)
 

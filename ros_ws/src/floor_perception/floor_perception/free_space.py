@@ -1,8 +1,10 @@
 """Free space around the robot from a floor mask (floor paper, 3.1, steps 2 to 4, eq. 7 to 9).
 
 The published route cuts the mask with the template, labels what is left and adds the areas of
-the regions whose middle lies in a cell. `labelled_areas` does that; `floor_areas` counts pixels
-cell by cell instead, and gives the same numbers several times faster.
+the regions whose middle p_k lies in a cell. `labelled_areas` does that but for one thing: a region
+counts for the cell that its pixels lie in. Its middle lies there too unless the region is bent
+round something, and then eq. 7 as printed would add its area to a cell that it does not touch.
+`floor_areas` counts pixels cell by cell instead: the same numbers several times faster.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ def floor_areas(mask: np.ndarray, template: PolarTemplate) -> np.ndarray:
 
 
 def labelled_areas(mask: np.ndarray, template: PolarTemplate) -> np.ndarray:
-    """Return the same by labelling, as published (steps 2 and 3), (J I,), int32.
+    """Return the same by labelling (steps 2 and 3, p_k as said above), (J I,), int32.
 
     With border lines between the cells (`has_borders`) one labelling does. Without them regions of
     neighboring cells would grow together, so each cell is cut out and labelled alone.
@@ -64,7 +66,7 @@ def _add_regions(mask: np.ndarray, cells: np.ndarray, cut: np.ndarray, areas: np
     """Add the areas a_k of the regions of floor under a template to their cells' (eq. 7)."""
     num, labels = cv2.connectedComponents(np.where(cut, mask, 0).astype(np.uint8), connectivity=8)
     a_k = np.bincount(labels.ravel(), minlength=num)
-    # A region lies in one cell as a whole: any pixel of it says which, as its middle p_k does.
+    # A region lies in one cell as a whole: any pixel says which; a bent one's middle may not.
     a_pixel = np.zeros(num, dtype=np.int64)
     a_pixel[labels.ravel()] = np.arange(labels.size)
     np.add.at(areas, cells.ravel()[a_pixel[1:]], a_k[1:].astype(np.int32))
@@ -89,8 +91,10 @@ def nearest_blocked(ratios: np.ndarray, free_share: float) -> np.ndarray:
 def free_ranges(ratios: np.ndarray, free_share: float, edges: np.ndarray) -> np.ndarray:
     """Return how far the floor is free in each direction, (J,), m.
 
-    What is promised is the inner border of the first cell that is not free: `inf` up to the
-    horizon, `-inf` not even the first cell, NaN where a cell is not seen before that.
+    Said is the inner border of the first cell that is not free: `inf` up to the horizon, NaN where
+    a cell is not seen before that. `-inf`, in REP 117 too near to measure, where not even the first
+    cell is free: what stands there may begin under the robot or anywhere in that cell, and its
+    border, `range_min`, would promise floor that nobody has seen.
     """
     a = nearest_blocked(ratios, free_share)
     num_rings = ratios.shape[1]

@@ -19,6 +19,7 @@ import numpy as np
 import yaml
 
 from floor_perception.color_model import TABLE_EDGE, chromaticity
+from floor_perception.image_size import camera_at_size
 from floornav_common.config import param, validate
 from floornav_common.config_files import coerce, refuse_unknown
 from floornav_common.floor_camera import FloorCamera
@@ -139,7 +140,7 @@ class MarkerDetector:
             order: Of its channels: `rgb` or `bgr`.
 
         Raises:
-            ValueError: The image has not three channels.
+            ValueError: The image has not three channels, or another shape than the camera's.
         """
         if image.ndim != 3 or image.shape[2] != 3:
             raise ValueError(f"image must be (H, W, 3), got {image.shape}")
@@ -169,9 +170,7 @@ class MarkerDetector:
         return float(np.arctan2(y, x))
 
     def _set_size(self, height: int, width: int) -> None:
-        camera = self._calibrated
-        if (height, width) != (camera.height_px, camera.width_px):
-            camera = camera.resized(width, height)
+        camera = camera_at_size(self._calibrated, height, width)
         is_used = camera.seen_mask()
         if self._hidden is not None:
             hidden = cv2.resize(self._hidden, (width, height), interpolation=cv2.INTER_NEAREST)

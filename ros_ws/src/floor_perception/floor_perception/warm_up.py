@@ -17,7 +17,8 @@ def compile_kernels(detector: FloorDetector) -> None:
     black = np.zeros((*detector.template.cells.shape, 3), dtype=np.uint8)
     for image in (black, _read_only(black)):
         areas = floor_areas(detector.masker.mask(image, table), detector.template)
-        ratios_and_ranges(areas, detector.template, 0.5)
+        ratios, _ = ratios_and_ranges(areas, detector.template, 0.5)
+        detector.glare.unseen(image, ratios, 0.5, 0.5)
 
 
 def _read_only(image: np.ndarray) -> np.ndarray:

@@ -108,6 +108,8 @@ class FloorDetectorNode(FloornavNode):
         }
         if not self._input.watchdog.is_fresh:
             return Status(STALE, "no images: no free space is sent", values)
+        if self._input.refusal:
+            return self._input.refused("no free space is sent", values)
         if self._newest is None:
             return Status(WARN, f"no free space: {tracker.reason}", values)
         values["directions seen (share)"] = f"{self._newest.coverage:.3f}"

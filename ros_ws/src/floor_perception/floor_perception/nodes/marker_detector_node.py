@@ -82,6 +82,8 @@ class MarkerDetectorNode(FloornavNode):
         values["processing (ms)"] = f"{self._ms:.2f}"
         if not self._input.watchdog.is_fresh:
             return Status(STALE, "no images: no bearings are sent", values)
+        if self._input.refusal:
+            return self._input.refused("no bearings are sent", values)
         return Status(OK, "looking", values)
 
 
