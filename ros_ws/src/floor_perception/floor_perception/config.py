@@ -28,8 +28,8 @@ class ColorConfig:
     )
     glare_share: float = param(
         0.5,
-        "A direction is not seen if more than this share of the cell that ends it is saturated in "
-        "all channels; 1 takes glare for an obstacle.",
+        "A direction is not seen if in the cell that ends it more than this share of what is not "
+        "floor is saturated in all channels; 1 takes glare for an obstacle.",
         gt=0.0, le=1.0,
     )  # fmt: skip
     ring_m: float = param(

@@ -37,9 +37,12 @@ class GlareFinder:
             image: (H, W, 3), uint8.
             ratios: r_ij, (J, I).
             free_share: r_th.
-            glare_share: More than this share of the cell must be saturated in all channels.
+            glare_share: More than this share of what is not floor in that cell must be saturated
+                in all channels; 1 finds no glare.
         """
         is_glare = np.zeros(len(ratios), dtype=np.bool_)
+        if glare_share == 1.0:
+            return is_glare
         _find(
             image, ratios, free_share, glare_share, self._stand_ins, self._pixels, self._ends,
             is_glare,
@@ -61,4 +64,5 @@ def _find(image, ratios, free_share, glare_share, stand_ins, pixels, ends, is_gl
         for k in range(ends[own], ends[own + 1]):
             color = image[pixels[k] // width, pixels[k] % width]
             num += min(color[0], color[1], color[2]) >= SATURATED
-        is_glare[j] = num > glare_share * (ends[own + 1] - ends[own])
+        not_floor = (1.0 - ratios[j, i]) * (ends[own + 1] - ends[own])
+        is_glare[j] = num > glare_share * not_floor

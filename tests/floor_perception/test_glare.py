@@ -1,0 +1,51 @@
+"""Directions that end in glare are not seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from painted_floors import BROWN, GRAY, WHITE, behind, painted, robot_body, upright_camera
+
+from floor_perception.config import ColorConfig, FloorDetectorConfig
+from floor_perception.floor_detector import FloorDetector
+
+CAMERA = upright_camera()
+GLARE = (behind(0.0, 0.3, 0.5), (255, 255, 255))
+PAPER = (behind(2.0, 0.3, 0.5), WHITE)
+BLOCK = (behind(-2.0, 0.3, 0.5), BROWN)
+BODY = (robot_body(), GRAY)
+
+
+def ranges_of(*regions: tuple, glare_share: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+    config = FloorDetectorConfig()
+    if glare_share is not None:
+        config = replace(config, color=ColorConfig(glare_share=glare_share))
+    image = painted(CAMERA, [*regions, BODY])
+    scan = FloorDetector(CAMERA, config).detect(image, "rgb", 0).scan
+    return scan.angles, scan.ranges
+
+
+def near(angles: np.ndarray, bearing: float) -> np.ndarray:
+    return np.abs(np.angle(np.exp(1j * (angles - bearing)))) < 0.25
+
+
+def test_glare_is_not_seen_and_things_that_are_white_are_obstacles() -> None:
+    angles, ranges = ranges_of(GLARE, PAPER, BLOCK)
+    assert np.isnan(ranges[near(angles, 0.0)]).all()
+    for bearing in (2.0, -2.0):
+        assert (np.abs(ranges[near(angles, bearing)] - 0.5) < 0.05).all()
+    assert np.isposinf(ranges[near(angles, math.pi)]).all()
+
+
+def test_glare_behind_an_obstacle_hides_nothing() -> None:
+    angles, ranges = ranges_of((behind(0.0, 0.4, 0.7), (255, 255, 255)), (
+        lambda x, y: (np.hypot(x, y) >= 0.4) & (np.hypot(x, y) < 0.7), BROWN,
+    ))  # fmt: skip
+    assert (np.abs(ranges[near(angles, 0.0)] - 0.4) < 0.05).all()
+
+
+def test_a_share_of_one_takes_glare_for_an_obstacle() -> None:
+    angles, ranges = ranges_of(GLARE, glare_share=1.0)
+    assert (np.abs(ranges[near(angles, 0.0)] - 0.5) < 0.05).all()
