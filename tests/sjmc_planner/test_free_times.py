@@ -81,6 +81,15 @@ def test_stopping_needs_its_way():
     assert can_stop(0.0, 0.0, -0.4, 0.0, 0.3, 0.1, wall_ahead(0.01))
 
 
+def test_a_closed_direction_ahead_does_not_close_the_others():
+    """The place the robot stands at has no bearing; only ways that go ahead leave the table."""
+    table = np.full(N, np.inf)
+    table[np.r_[0:20, N - 20 : N]] = 0.0
+    vb = 0.4 * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
+    times = free_times(np.zeros(2), vb, 0.3, 0.03, DT, 2.0, table)
+    assert times[0] == pytest.approx(DT) and np.isinf(times[1:]).all()
+
+
 def test_who_stands_can_stop_anywhere():
     assert can_stop(0.0, 0.0, 0.0, 0.0, 0.3, 0.1, np.zeros(N))
 

@@ -122,6 +122,42 @@ def test_free_to_the_horizon_is_seen_as_open_but_known_only_so_far():
     assert space.known == pytest.approx(np.full(N, 2.3))
 
 
+def test_from_a_sensor_ahead_less_is_known_behind():
+    space = grown(round_scan(np.full(36, np.inf), range_max=2.5), mount=SE2(0.3, 0.0, 0.0))
+    assert space.known == pytest.approx(np.full(N, 2.0))
+
+
+@given(st.floats(0.3, 3.0), st.integers(0, 359), st.floats(-0.2, 0.2), st.floats(-3.0, 3.0))
+def test_every_part_of_a_front_counts_wherever_the_sensor_is(r, beam, x, yaw):
+    """Each point of the arc that a beam ended on keeps the robot's middle 0.2 m away."""
+    ranges, mount = np.full(360, np.inf), SE2(x, 0.1, yaw)
+    ranges[beam] = r
+    scan = round_scan(ranges)
+    seen = grown(scan, mount=mount).seen
+    angles = scan.angles[beam] + scan.angle_increment * np.linspace(-0.5, 0.5, 9)
+    points = mount @ (r * np.column_stack((np.cos(angles), np.sin(angles))))
+    for x, y in points:
+        assert at(seen, np.arctan2(y, x)) <= max(np.hypot(x, y) - 0.2, 1e-3) + 1e-3
+
+
+def test_too_near_for_a_sensor_ahead_closes_what_is_there_and_not_its_bearing():
+    """Left of a sensor at the circle's front edge: that is ahead of the robot's middle."""
+    ranges = np.full(360, np.inf)
+    ranges[270] = -np.inf  # 90 degrees
+    seen = grown(round_scan(ranges, range_min=0.05), mount=SE2(0.2, 0.0, 0.0)).seen
+    assert at(seen, 0.1) < 2e-3 and at(seen, 1.2) < 2e-3
+    assert at(seen, 1.9) == np.inf
+
+
+def test_too_near_for_a_sensor_ahead_reaches_out_to_its_range_min():
+    """One at (0.1, 0) that is blind for 0.5 m: ahead, anything from the circle's edge on."""
+    ranges = np.full(360, np.inf)
+    ranges[270] = -np.inf
+    seen = grown(round_scan(ranges, range_min=0.5), mount=SE2(0.1, 0.0, 0.0)).seen
+    for bearing in (1.0, 1.3, 1.4):
+        assert at(seen, bearing) < 2e-3
+
+
 def test_a_range_beyond_range_max_is_free():
     assert np.isinf(grown(round_scan(np.full(36, 9.0))).seen).all()
 

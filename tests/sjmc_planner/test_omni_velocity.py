@@ -225,3 +225,25 @@ def test_the_motion_predicted_is_the_motion_driven(vx, vy, angle):
     steps = np.array([limited_velocity(va, vb, 0.3, t) for t in np.linspace(0, PERIOD, 51)])
     driven = ((steps[1:] + steps[:-1]) / 2).mean(axis=0) * PERIOD
     assert limited_position(va, vb, 0.3, 0.0, PERIOD) == pytest.approx(driven, abs=1e-5)
+
+
+@pytest.mark.parametrize("drive", ["omni", "differential"])
+@pytest.mark.parametrize("goal", [(0.0, 2.0), (-2.0, 0.0)])
+def test_with_nothing_seen_ahead_it_goes_another_way(drive, goal):
+    ranges = np.full(NUM_BEAMS, np.inf)
+    ranges[170:191] = np.nan
+    scan = Scan(ranges, -np.pi, 2.0 * np.pi / NUM_BEAMS, 0.01, 4.0)
+    point = np.array(goal)
+    seen = Obstacles(scan, SE2.identity())
+    decision = method(drive=drive).decide(RobotState(STILL), seen, Goal(point, 2.0))
+    assert decision.state == DRIVING and not decision.command.is_still
+    if drive == "omni":
+        assert abs(bearing_of(decision)) > 1.0
+
+
+@pytest.mark.parametrize("omni", [OmniConfig(), PUBLISHED])
+def test_with_nothing_seen_at_all_it_stands(omni):
+    scan = Scan(np.full(NUM_BEAMS, np.nan), -np.pi, 2.0 * np.pi / NUM_BEAMS, 0.01, 4.0)
+    seen, goal = Obstacles(scan, SE2.identity()), Goal(np.array([2.0, 0.0]), 2.0)
+    decision = method(omni=omni).decide(RobotState(STILL), seen, goal)
+    assert decision.state == BLOCKED and decision.command.is_still

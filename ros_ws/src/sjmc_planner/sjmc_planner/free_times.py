@@ -10,6 +10,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+_START2 = 1e-12  # where the robot stands has no bearing, and is never closed, m^2
+
 
 @numba.njit(cache=True, nogil=True, inline="always")
 def _bearing(y, x):  # type: ignore[no-untyped-def]
@@ -26,7 +28,7 @@ def _bearing(y, x):  # type: ignore[no-untyped-def]
 @numba.njit(cache=True, nogil=True, inline="always")
 def _is_inside(x, y, nearest2, table):  # type: ignore[no-untyped-def]
     r2 = x * x + y * y  # eq. 13
-    if r2 < nearest2:
+    if r2 < max(nearest2, _START2):
         return True
     num = len(table)
     entry = int(np.rint(_bearing(y, x) * (num / (2.0 * np.pi)))) % num  # eq. 14

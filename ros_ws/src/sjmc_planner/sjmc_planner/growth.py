@@ -12,13 +12,14 @@ more, so that the robot may go away.
 What is not known: a beam of `+inf` is free to `range_max` and unknown beyond; one of `-inf`, or
 below `range_min`, may be anywhere nearer and counts as touching. NaN and bearings that no beam
 covers were not seen. A narrow gap of those takes the nearer range beside it (a laser's dropouts, a
-mirror's stay); a wider one is closed: the table is 0 there, so the robot never moves that way, but
-it is not grown, or a robot with a blind rear could not move sideways either.
+mirror's stay). A wider one, and what an obstacle hides from a sensor that is not at the robot's
+middle, is closed: the robot's front never gets there (`unseen`); but it is not grown aside, or a
+robot with a blind rear could not move sideways either.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numba
 import numpy as np
@@ -26,22 +27,27 @@ import numpy as np
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sjmc_planner.planning import Obstacles
+from sjmc_planner.unseen import unseen_table
 
 _TOUCHING = 0.9999  # of an obstacle's distance: the most it is grown by
 _TURN = 2.0 * np.pi
+_ACROSS = np.linspace(0.0, 1.0, 5)  # where over a wedge's width its corners are taken
+_PARTS = 6  # along a beam that may end anywhere
+_TIP = 0.01  # its length if the sensor names none, m
 
 
 @dataclass(frozen=True)
 class Wedges:
-    """What a scan says, seen from the robot's middle.
+    """What a scan says, seen from the sensor; together the wedges go once around.
 
     Attributes:
         start: Bearing of each wedge's right side, shape (M,), rad.
         width: How far it reaches to the left, shape (M,), rad.
         ranges: Where its obstacle begins, shape (M,), m; inf if none was seen, 0 if it may be
-            anywhere, NaN if it was not looked.
+            anywhere nearer than `blind`, NaN if it was not looked.
         horizon: How far was looked, m.
         blind: Nearer than this the sensor sees nothing, m.
+        T_base_sensor: The sensor.
     """
 
     start: np.ndarray
@@ -49,6 +55,7 @@ class Wedges:
     ranges: np.ndarray
     horizon: float
     blind: float = 0.0
+    T_base_sensor: SE2 = SE2(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class GrownSpace:
 
     Attributes:
         seen: Distance to what was seen, r_o(phi) at the bearings 2 pi k / N, shape (N,), m; inf
-            where nothing was, 0 where it was not looked.
+            where nothing was, and no farther than to what was not looked at.
         known: The same, and no farther than the robot stays within the horizon.
     """
 
@@ -72,7 +79,7 @@ class GrownSpace:
 
 
 def wedges_of(obstacles: Obstacles, unseen_gap: float) -> Wedges:
-    """Return the wedges of a scan about the robot's middle.
+    """Return the wedges of a scan.
 
     Args:
         obstacles: The scan and where its sensor is.
@@ -88,12 +95,7 @@ def wedges_of(obstacles: Obstacles, unseen_gap: float) -> Wedges:
         width = np.append(width, gap)
         between = np.fmin(ranges[0], ranges[-1]) if gap <= unseen_gap else np.nan
         ranges = np.append(ranges, between)
-    T = obstacles.T_base_sensor
-    horizon = scan.range_max - T.distance
-    if T.distance < 1e-6:
-        return Wedges(start + T.yaw, width, ranges, horizon, scan.range_min)
-    moved = _moved(start, width, ranges, T, horizon)
-    return replace(moved, blind=scan.range_min + T.distance)
+    return Wedges(start, width, ranges, scan.range_max, scan.range_min, obstacles.T_base_sensor)
 
 
 def grow(wedges: Wedges, radius: float, num: int) -> GrownSpace:
@@ -104,31 +106,27 @@ def grow(wedges: Wedges, radius: float, num: int) -> GrownSpace:
         radius: Of the robot, m.
         num: Entries of the table (N).
     """
-    seen = grow_table(wedges.start, wedges.width, wedges.ranges, radius, num)
-    return GrownSpace(seen, np.minimum(seen, max(wedges.horizon - radius, 0.0)))
+    T = wedges.T_base_sensor
+    seen = grow_table(*_from_base(wedges, radius), radius, num)
+    unseen = unseen_table(wedges.start, wedges.width, wedges.ranges, T, radius, num)
+    seen = np.minimum(seen, unseen)
+    return GrownSpace(seen, np.minimum(seen, max(wedges.horizon - T.distance - radius, 0.0)))
 
 
 @numba.njit(cache=True, nogil=True)
 def grow_table(start, width, ranges, radius, num):  # type: ignore[no-untyped-def]
-    """Return r_o over `num` bearings; see `grow`."""
+    """Return r_o over `num` bearings of wedges seen from the robot's middle; see `grow`."""
     step = 2.0 * np.pi / num
     table = np.full(num, np.inf)
     for i in range(len(ranges)):
-        r = ranges[i]
-        if r == np.inf:
-            continue
-        is_unseen = np.isnan(r)
-        r = 1.0 if is_unseen else max(r, radius)
-        R = 0.0 if is_unseen else min(radius, _TOUCHING * r)
+        r = max(ranges[i], radius)
+        R = min(radius, _TOUCHING * r)
         reach = np.arcsin(R / r)
         end = start[i] + width[i]
         first = int(np.ceil((start[i] - reach) / step - 0.5))
         last = int(np.floor((end + reach) / step + 0.5))
         for k in range(first, min(last, first + num - 1) + 1):
             entry = k % num
-            if is_unseen:
-                table[entry] = 0.0
-                continue
             if table[entry] <= r - R:
                 continue
             bearing = k * step
@@ -172,17 +170,28 @@ def _filled(ranges: np.ndarray, step: float, unseen_gap: float) -> np.ndarray:
     return filled
 
 
-def _moved(
-    start: np.ndarray, width: np.ndarray, ranges: np.ndarray, T_base_sensor: SE2, horizon: float
-) -> Wedges:
-    """Return wedges seen from a sensor as wedges seen from the base: never smaller ones."""
-    angles = start[:, None] + width[:, None] * np.array([0.0, 0.5, 1.0])
-    is_finite = np.isfinite(ranges) & (ranges > 0.0)
-    r = np.where(is_finite, ranges, horizon)[:, None]
-    corners = np.stack((r * np.cos(angles), r * np.sin(angles)), axis=-1)
-    x, y = (T_base_sensor @ corners.reshape(-1, 2)).reshape(*angles.shape, 2).transpose(2, 0, 1)
-    bearings, distances = np.arctan2(y, x), np.hypot(x, y)
-    off = np.remainder(bearings - bearings[:, 1:2] + np.pi, _TURN) - np.pi
-    new_width = np.where(is_finite, np.ptp(off, axis=1), width)
-    new_start = np.where(is_finite, bearings[:, 1] + off.min(axis=1), start + T_base_sensor.yaw)
-    return Wedges(new_start, new_width, np.where(is_finite, distances.min(axis=1), ranges), horizon)
+def _from_base(wedges: Wedges, radius: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the obstacles as wedges seen from the robot's middle: start, width, ranges.
+
+    Of one that may be anywhere nearer than the sensor sees, what counts is the part outside of the
+    robot's circle; it touches if any of it may be inside.
+    """
+    is_near, is_hit = wedges.ranges == 0.0, np.isfinite(wedges.ranges)
+    blind = max(wedges.blind, _TIP)
+    tips = np.where(is_near, blind, wedges.ranges)[is_hit]
+    is_near = is_near[is_hit]
+    share = np.where(is_near[:, None], np.linspace(0.0, 1.0, _PARTS), 1.0)
+    angles = wedges.start[is_hit, None] + wedges.width[is_hit, None] * _ACROSS
+    r = tips[:, None, None] * share[:, :, None]
+    corners = np.stack((r * np.cos(angles)[:, None], r * np.sin(angles)[:, None]), axis=-1)
+    x, y = (wedges.T_base_sensor @ corners.reshape(-1, 2)).reshape(*corners.shape).T
+    distances = np.hypot(x, y).transpose(2, 1, 0)  # shape (M, parts, across)
+    bearings = np.arctan2(y, x).transpose(2, 1, 0)
+    middle = bearings[:, -1, len(_ACROSS) // 2]
+    off = np.remainder(bearings - middle[:, None, None] + np.pi, _TURN) - np.pi
+    counts = ~is_near[:, None, None] | (distances > radius)
+    counts[:, -1] = True
+    least = np.where(counts, off, np.inf).min(axis=(1, 2))
+    most = np.where(counts, off, -np.inf).max(axis=(1, 2))
+    nearest = distances.min(axis=(1, 2))
+    return middle + least, most - least, np.where(is_near & (nearest < radius), 0.0, nearest)

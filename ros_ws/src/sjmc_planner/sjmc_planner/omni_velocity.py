@@ -110,6 +110,7 @@ class OmniVelocity:
         self._robot, self._config, self._cycle = robot, config, cycle
         self._bearings = directions(config.num_directions)
         self._units = np.column_stack((np.cos(self._bearings), np.sin(self._bearings)))
+        self._shortest = config.time_step_s if self.has_velocity else 0.0  # T_j of a way not free
         self._memory = NearMemory()
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
 
@@ -223,7 +224,7 @@ class OmniVelocity:
         else:
             vx, vy = speed * self._units[chosen]
             command = Velocity(float(vx), float(vy), 0.0)
-        if times[chosen] <= 0.0:
+        if times[chosen] <= self._shortest:
             return Decision(STILL, BLOCKED, "no direction is free")
         return Decision(command, DRIVING)
 

@@ -18,6 +18,8 @@ from sjmc_planner.config import RobotConfig
 from sjmc_planner.free_times import _is_inside
 from sjmc_planner.planning import Velocity
 
+# numba keeps these kernels by this file's date alone: one that changes `_is_inside` has to change
+# this file too, or a kernel with the old one goes on being used.
 _SOFTNESS = 0.7  # of the square-root law: the turn is no harder than the limit even when late
 _DT = 0.05
 
