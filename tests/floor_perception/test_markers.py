@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
@@ -52,6 +53,24 @@ def test_bearings_are_known_to_a_third_of_a_pixel(
     off = math.remainder(marker.bearing - bearing, 2.0 * math.pi)
     assert abs(off) * radius_px < 0.34
     assert marker.area_px == pytest.approx(math.pi * disk_px**2, rel=0.35)
+
+
+@pytest.mark.parametrize(
+    ("yaw", "roll", "pitch"), [(0.9, 0.0, 0.0), (0.0, 0.2, -0.15), (-2.0, -0.1, 0.2)]
+)
+def test_bearings_are_those_of_the_floors_frame_however_the_camera_is_mounted(
+    yaw: float, roll: float, pitch: float
+) -> None:
+    """A cone's foot at a known place; along rays turned by hand its pixel is found again."""
+    camera = replace(CAMERA, yaw_rad=yaw, roll_rad=roll, pitch_rad=pitch)
+    place = np.array([0.4, 0.3])
+    center = camera.floor_pixels(place)
+    plain = CAMERA.floor_rays(center)
+    assert abs(math.remainder(math.atan2(plain[1], plain[0]) - 0.6435, 2.0 * math.pi)) > 0.03
+    image = np.zeros((480, 640, 3), dtype=np.uint8)
+    cv2.circle(image, (round(center[0]), round(center[1])), 6, MAGENTA, -1)
+    (marker,) = MarkerDetector(camera, CLASSES).detect(image, "rgb")["robots"]
+    assert marker.bearing == pytest.approx(0.6435, abs=0.01)  # atan(3 / 4)
 
 
 def test_each_class_has_its_own_blobs_the_largest_first() -> None:

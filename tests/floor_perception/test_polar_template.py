@@ -10,6 +10,7 @@ import pytest
 from painted_floors import upright_camera
 
 from floor_perception.config import TemplateConfig
+from floor_perception.free_space import floor_areas, ratios_and_ranges
 from floor_perception.polar_template import cells_of, is_border, make_template, ring_edges
 
 PAPER = TemplateConfig(num_rings=6, num_directions=32, has_borders=True)
@@ -78,6 +79,23 @@ def test_hidden_pixels_belong_to_no_cell() -> None:
     assert (template.cells[:, 128:] == -1).all()
     ahead = template.num_directions // 2 * template.num_rings
     assert (template.stand_ins[ahead : ahead + template.num_rings] == -1).all()
+
+
+def test_cells_outside_an_image_that_cuts_the_template_are_not_seen() -> None:
+    """The mirror's lower part, a robot's left, is not in the picture: nor are its cells."""
+    camera = upright_camera()
+    cut = replace(camera, camera=replace(camera.camera, height_px=180))
+    template = make_template(cut, TemplateConfig())
+    left = 3 * template.num_directions // 4
+    cells = slice(left * template.num_rings, (left + 1) * template.num_rings)
+    distance = 0.5 * (template.edges[:-1] + template.edges[1:])
+    pixels = camera.floor_pixels(np.stack((np.zeros_like(distance), distance), -1))
+    is_cut = pixels[:, 1] > 181.0
+    assert is_cut.sum() > 10 and (~is_cut).sum() > 5
+    assert (template.stand_ins[cells][is_cut] == -1).all()
+    floor = np.full((180, 256), 255, dtype=np.uint8)
+    _, ranges = ratios_and_ranges(floor_areas(floor, template), template, 0.6)
+    assert np.isnan(ranges[left]) and np.isposinf(ranges[template.num_directions // 4])
 
 
 def test_a_hidden_mask_of_another_size_is_refused() -> None:

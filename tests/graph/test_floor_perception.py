@@ -19,6 +19,7 @@ from geometry_msgs.msg import PoseArray
 from sensor_msgs.msg import CompressedImage, Image, LaserScan
 from tf2_msgs.msg import TFMessage
 
+from floornav_common.ros.diagnostics import ERROR, OK
 from floornav_common.ros.messages import (
     array_to_compressed,
     array_to_image,
@@ -134,6 +135,54 @@ def test_without_floor_around_the_robot_nothing_is_promised(node, peer) -> None:
     ]
     peer.publish_until(images, msg, lambda: any("color is not known" in text for text in said()))
     assert scans == []
+
+
+def said_of(states: list[DiagnosticArray], part: str) -> list[tuple[bytes, str]]:
+    return [(s.level, s.message) for m in states for s in m.status if s.name.endswith(f": {part}")]
+
+
+def test_after_a_dark_start_free_space_comes_with_the_light(node, peer, image) -> None:
+    scans = peer.collect(LaserScan, "floor/free_space", RELIABLE_QOS)
+    states = peer.collect(DiagnosticArray, "/diagnostics", RELIABLE_QOS)
+    peer.wait_to_hear("floor/free_space")
+    images = peer.publisher(Image, "omni/image_raw", RELIABLE_QOS, to=node)
+    for second in range(1, 4):
+        black = array_to_image(np.zeros_like(image), "rgb8", Time(sec=second), OPTICAL)
+        images.publish(black)
+        peer.spin(0.2)
+    peer.publish_until(
+        images, black, lambda: any("too dark" in text for _, text in said_of(states, "floor"))
+    )
+    assert scans == []
+    lit = array_to_image(image, "rgb8", Time(sec=9), OPTICAL)
+    peer.publish_until(images, lit, lambda: scans)
+    core = scan_from_msg(scans[0])
+    assert (core.ranges[np.abs(core.angles) < 0.2] <= WALL_M + PART_OF_A_CELL_M).all()
+
+
+@pytest.mark.parametrize("kind", ["gray", "strip", "speck"])
+@pytest.mark.parametrize("part", ["floor", "markers"])
+def test_images_refused_are_an_error_until_one_is_taken(start, peer, image, kind, part) -> None:
+    """Never OK while nothing is sent."""
+    name = {"floor": "floor_detector", "markers": "marker_detector"}[part]
+    node = start(NODE[0], f"floor_perception.nodes.{name}_node")
+    node.wait_for("ready", START_S)
+    states = peer.collect(DiagnosticArray, "/diagnostics", RELIABLE_QOS)
+    images = peer.publisher(Image, "omni/image_raw", RELIABLE_QOS, to=node)
+    good = array_to_image(image, "rgb8", Time(sec=1), OPTICAL)
+    peer.publish_until(images, good, lambda: OK in [level for level, _ in said_of(states, part)])
+    pixels, encoding = {
+        "gray": (image[..., 0].copy(), "mono8"),
+        "strip": (np.full((20, 4000, 3), 100, dtype=np.uint8), "rgb8"),
+        "speck": (np.full((2, 1, 3), 100, dtype=np.uint8), "rgb8"),
+    }[kind]
+    states.clear()
+    bad = array_to_image(pixels, encoding, Time(sec=2), OPTICAL)
+    refused = lambda: [t for v, t in said_of(states, part) if v == ERROR]  # noqa: E731
+    peer.publish_until(images, bad, refused)
+    assert "the image is refused: image must" in refused()[0]
+    states.clear()
+    peer.publish_until(images, good, lambda: OK in [level for level, _ in said_of(states, part)])
 
 
 def test_a_camera_model_that_is_none_is_named_at_the_start(start) -> None:
