@@ -1,9 +1,11 @@
 """Time from image to free space, stage by stage, beside bare OpenCV passes over the same image.
 
 Floor: one look-up of three channels, one opening with a square of five pixels, one labelling; our
-whole goes from the image to ranges, the floor's color followed. Peer: the usual pipeline of OpenCV,
-that is color range, opening, closing, labelling with areas, and a histogram over the cells. The
-last case is the node over DDS, from publishing an image to the arrival of its scan.
+whole goes from the image to ranges, the floor's color followed; `fading` is the whole while the
+lamp fades and comes back, so that the table of colors is made anew now and then. Peer: the usual
+pipeline of OpenCV, that is color range, opening, closing, labelling with areas, and a histogram
+over the cells. The last case is the node over DDS, from publishing an image to the arrival of its
+scan.
 """
 
 from __future__ import annotations
@@ -31,6 +33,7 @@ from floor_perception.resources import load_camera_model
 SIZES = ((256, 220), (640, 480), (1280, 960))
 NUM_CALLS = 400
 FRAME_NS = 33_333_333
+NUM_LIGHTS, FRAMES_A_LIGHT, DIMMEST = 20, 10, 0.6
 Calls = dict[str, Callable[[], object]]
 DOMAIN = 59
 PEER = "usual OpenCV pipeline"
@@ -49,7 +52,7 @@ def run(seed: int, say: Callable[[str], None]) -> list[Case]:
         stamps = (k * FRAME_NS for k in count(1))
         calls: Calls = {
             "whole": lambda d=detector, i=image, s=stamps: d.detect(i, "rgb", next(s)),
-            "usual": _usual(detector, image), **stages, **bare,
+            "fading": _fading(image), "usual": _usual(detector, image), **stages, **bare,
         }  # fmt: skip
         cases += _cases(f"{width}x{height}", take_turns(calls, NUM_CALLS), stages, bare)
     say("floor: 640 x 480 over DDS at 30 Hz")
@@ -77,7 +80,23 @@ def _cases(size: str, ms: dict[str, np.ndarray], stages: Calls, bare: Calls) -> 
     extra = {"times_the_floor": median / floor}
     extra |= {name: float(np.median(ms[name])) for name in bare}
     whole = Case(size, median, p99, PEER, float(np.median(ms["usual"])), floor, extra)
-    return [whole, *(Case(f"{size}_{name}", *median_and_p99(ms[name])) for name in stages)]
+    names = ("fading", *stages)
+    return [whole, *(Case(f"{size}_{name}", *median_and_p99(ms[name])) for name in names)]
+
+
+def _fading(image: np.ndarray) -> Callable[[], object]:
+    """Return the whole over a lamp that fades and comes back, in one light for a few frames."""
+    lights = 0.5 * (1.0 + DIMMEST + (1.0 - DIMMEST) * np.cos(np.linspace(0, 2 * np.pi, NUM_LIGHTS)))
+    pictures = [cv2.convertScaleAbs(image, alpha=light) for light in lights]
+    detector = FloorDetector(load_camera_model("soccer_small_size"), FloorDetectorConfig())
+    frames = count()
+
+    def fading() -> object:
+        k = next(frames)
+        picture = pictures[k // FRAMES_A_LIGHT % NUM_LIGHTS]
+        return detector.detect(picture, "rgb", k * FRAME_NS)
+
+    return fading
 
 
 def _stages(detector: FloorDetector, image: np.ndarray) -> Calls:
