@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -47,6 +48,10 @@ class Robot:
         self.ranges = np.full(NUM_BEAMS, np.inf)
         self.stamp_ns: int | None = None
         self.frame = "laser"
+        self.child = "base_link"
+        self.speed = 0.0
+        self.range_min = 0.1
+        self.age_ns = {"scan": 0, "odom": 0}
         peer.wait_to_hear("cmd_vel", "planner/state")
 
     def beat(self) -> None:
@@ -60,13 +65,17 @@ class Robot:
         if "tf" not in self.silent:
             self._tf.publish(tf_of("odom", "base_link", stamp_ns, 0.0))
         if "odom" not in self.silent:
-            msg = Odometry(child_frame_id="base_link")
-            msg.header.stamp, msg.header.frame_id = time_of(stamp_ns), "odom"
+            msg = Odometry(child_frame_id=self.child)
+            odom_ns = stamp_ns - self.age_ns["odom"]
+            msg.header.stamp, msg.header.frame_id = time_of(odom_ns), "odom"
+            msg.twist.twist.linear.x = self.speed
             self._odom.publish(msg)
         if "scan" not in self.silent:
             step = 2.0 * np.pi / NUM_BEAMS
-            msg = LaserScan(angle_min=-np.pi, angle_increment=step, range_min=0.1, range_max=OPEN)
-            msg.header.stamp, msg.header.frame_id = time_of(stamp_ns), self.frame
+            msg = LaserScan(angle_min=-np.pi, angle_increment=step, range_max=OPEN)
+            msg.range_min = self.range_min
+            msg.header.stamp = time_of(stamp_ns - self.age_ns["scan"])
+            msg.header.frame_id = self.frame
             msg.ranges = self.ranges.astype(np.float32).tolist()
             self._scan.publish(msg)
         self.peer.spin(0.05)
@@ -159,6 +168,67 @@ def test_a_stale_input_stops_it_and_it_goes_on_when_it_comes_back(launch, what, 
     run.robot.until(run.robot.is_in("driving"))
 
 
+@pytest.mark.parametrize("what", ["scan", "odom"])
+def test_an_old_stamp_stops_it_however_often_the_message_comes(launch, what):
+    run = launch()
+    run.robot.age_ns[what] = 20_000_000_000
+    run.robot.until_stopped(f"/{what}: its stamp is 20")
+    run.robot.age_ns[what] = 0
+    run.robot.until(run.robot.is_in("driving"))
+
+
+def test_a_twist_that_is_no_number_stops_it(launch):
+    run = launch()
+    run.robot.speed = float("nan")
+    run.robot.until_stopped("/odom: the twist must be finite")
+    run.robot.speed = 0.0
+    run.robot.until(run.robot.is_in("driving"))
+
+
+def test_a_twist_of_a_frame_that_nobody_placed_stops_it(launch):
+    run = launch()
+    run.robot.child = "base_footprint"
+    run.robot.until_stopped("/odom: child_frame_id: ")
+    assert "base_footprint" in run.robot.state()[1]
+
+
+@pytest.mark.parametrize("frame", ["base_link", "laser"])
+def test_a_goal_that_would_move_on_with_the_robot_is_refused(launch, frame):
+    run = launch()
+    run.goals.publish(goal_of(1.0, frame=frame))
+    run.robot.until_stopped(f"'{frame}' is fixed to the robot")
+
+
+@pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
+def test_told_to_end_while_driving_its_last_word_is_zero(launch, sign):
+    run = launch()
+    assert speed_of(run.robot.commands[-1]) > 0.0
+    assert run.node.stop(sign) == 0
+    run.peer.spin(0.5)
+    assert speed_of(run.robot.commands[-1]) == 0.0
+
+
+def test_an_error_of_its_own_while_driving_ends_in_zero_too(start, peer):
+    node = start(Path(__file__).with_name("failing_planner.py"), "--ros-args", *GOAL_POSE)
+    node.wait_for("ready", 60.0)
+    robot = Robot(peer, node)
+    peer.publisher(PoseStamped, "goal_pose", 5, to=node).publish(goal_of(2.0))
+    robot.until(lambda: node.has_ended)
+    assert node.wait_for_exit() == 1 and "broken on purpose" in node.text
+    peer.spin(0.5)
+    assert max(speed_of(m) for m in robot.commands) > 0.05
+    assert speed_of(robot.commands[-1]) == 0.0
+
+
+def test_a_planner_that_drives_nobody_ends_without_a_word(launch):
+    run = launch(goal=False)
+    run.robot.until(run.robot.is_in("idle"))
+    run.robot.commands.clear()
+    run.node.stop()
+    run.peer.spin(0.5)
+    assert not run.robot.commands
+
+
 def test_a_scan_without_its_transform_stops_it(launch):
     run = launch()
     run.robot.frame = "nowhere"
@@ -233,6 +303,44 @@ def test_a_clock_that_stands_still_stops_it(start, peer):
     robot.until_stopped("/clock stands still")
     robot.silent = set()
     robot.until(robot.is_in("driving"))
+
+
+@pytest.fixture
+def timed(start, peer) -> SimpleNamespace:
+    """Return a planner on the test's own clock that drives at a goal ahead."""
+    node = start(*NODE, "--ros-args", *GOAL_POSE, "-p", "use_sim_time:=true")
+    node.wait_for("ready", 60.0)
+    robot = Robot(peer, node, clock=peer.publisher(Clock, "/clock", 5))
+    robot.stamp_ns = 1_000_000_000
+    goals = peer.publisher(PoseStamped, "goal_pose", 5, to=node)
+    goals.publish(goal_of(2.0))
+    robot.until(robot.is_in("driving"))
+    return SimpleNamespace(node=node, robot=robot)
+
+
+def test_a_scan_is_carried_forward_by_the_motion_since(timed):
+    """A ring at 0.35 m leaves 0.24 m; at 0.3 m/s stopping takes 0.17 m, and 0.12 m went by."""
+    robot = timed.robot
+    robot.ranges, robot.speed = np.full(NUM_BEAMS, 0.35), 0.3
+    for _ in range(10):
+        robot.beat()
+    assert robot.state()[0] == "driving"
+    robot.age_ns["scan"] = 400_000_000
+    robot.until(robot.is_in("braking"))
+
+
+def test_what_went_too_near_to_be_seen_comes_nearer_as_the_robot_goes(timed):
+    """Remembered at 0.4 m it leaves 0.29 m; at 0.3 m/s that is too little to stop in soon."""
+    robot = timed.robot
+    robot.range_min, robot.ranges[80:101] = 0.4, 0.42
+    for _ in range(10):
+        robot.beat()
+    robot.ranges[80:101] = -np.inf
+    for _ in range(10):
+        robot.beat()
+    assert robot.state()[0] == "driving"
+    robot.speed = 0.3
+    robot.until(robot.is_in("braking"))
 
 
 def test_a_path_is_followed_even_when_it_came_before_the_planner(start, peer):

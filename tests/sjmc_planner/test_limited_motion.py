@@ -14,6 +14,7 @@ from sjmc_planner.limited_motion import (
     limited_velocity,
     moved_by,
     ramped,
+    seen_from,
     stopping_speed,
 )
 from sjmc_planner.planning import STILL, Velocity
@@ -92,3 +93,21 @@ def test_two_halves_of_a_steady_motion_make_the_whole(x, y, w, dt):
     twice = moved_by(v, dt / 2) @ moved_by(v, dt / 2)
     assert isinstance(twice, SE2)
     assert moved_by(v, dt).between(twice).as_array() == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_a_frame_ahead_that_moves_aside_in_a_turn_belongs_to_a_base_that_turns_on_the_spot():
+    """0.5 m ahead and turning at 0.4 rad/s it goes 0.2 m/s to the left; also in turned axes."""
+    same = seen_from(Velocity(0.0, 0.2, 0.4), SE2(0.5, 0.0, 0.0))
+    turned = seen_from(Velocity(0.2, 0.0, 0.4), SE2(0.5, 0.0, np.pi / 2))
+    for found in (same, turned):
+        assert (found.x, found.y, found.yaw_rate) == pytest.approx((0.0, 0.0, 0.4), abs=1e-12)
+
+
+@given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(-3.0, 3.0), st.floats(-1.0, 1.0))
+def test_a_velocity_seen_from_another_frame_is_that_frame_s_motion(x, y, yaw, yaw_rate):
+    """Moving the base and then looking from the child is the child's own short motion."""
+    T, dt = SE2(x, y, yaw), 1e-5
+    child = Velocity(0.3, -0.1, yaw_rate)
+    moved = T @ moved_by(child, dt) @ T.inverse()
+    base = seen_from(child, T)
+    assert (moved.x / dt, moved.y / dt) == pytest.approx((base.x, base.y), abs=1e-4)

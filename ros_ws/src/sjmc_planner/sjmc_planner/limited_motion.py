@@ -81,6 +81,17 @@ def ramped(last: Velocity, wanted: Velocity, robot: RobotConfig, dt: float) -> V
     return Velocity(x, y, yaw_rate)
 
 
+def seen_from(velocity: Velocity, T_base_child: SE2) -> Velocity:
+    """Return the base's velocity from that of another frame on the same robot, in its own axes."""
+    c, s = math.cos(T_base_child.yaw), math.sin(T_base_child.yaw)
+    w = velocity.yaw_rate
+    return Velocity(
+        c * velocity.x - s * velocity.y + w * T_base_child.y,
+        s * velocity.x + c * velocity.y - w * T_base_child.x,
+        w,
+    )
+
+
 def moved_by(velocity: Velocity, dt: float) -> SE2:
     """Return where a robot is after a steady motion, seen from where it was."""
     yaw = velocity.yaw_rate * dt

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.duration import Duration
 
 from floornav_common.ros.diagnostics import ERROR, OK, Status
 from floornav_common.ros.node import FloornavNode
@@ -14,6 +15,7 @@ from sjmc_planner.ros_conversions import velocity_to_msg, velocity_to_stamped_ms
 
 _LOOK_PERIOD_NS = 500_000_000
 _NAMELESS_LOOKS = 4  # the graph hears of a publisher a moment before its name
+_ACK_TIME = Duration(seconds=1)  # a publisher that is gone sends nothing again
 _LAST_STOPS = 10  # zeros after the end, so that a lost one does no harm; then others may drive
 
 
@@ -59,6 +61,12 @@ class CommandPort:
         if self._num_stops < _LAST_STOPS:
             self._num_stops += 1
             self._send(STILL)
+
+    def end(self) -> None:
+        """Leave a zero as the last word, if the robot was driven; for when the node ends."""
+        if self._num_stops < _LAST_STOPS and self._node.context.ok():
+            self._send(STILL)
+            self._publisher.wait_for_all_acked(_ACK_TIME)
 
     def status(self) -> Status:
         """Return OK, or ERROR that names who else sends."""

@@ -98,13 +98,18 @@ class LocalPlannerNode(FloornavNode):
             self._commands.drive(decision.command)
 
     def _since_last(self) -> float:
-        """Return the time since the last decision, s; after a pause the method starts anew."""
+        """Return the time since the last decision, s; after a pause or a jump it starts anew."""
         now_ns, last_ns = self.time.read_ns(), self._decided_ns
         self._decided_ns = now_ns
-        if last_ns is None or now_ns - last_ns > _PAUSE_NS:
+        if last_ns is None or not 0 <= now_ns - last_ns <= _PAUSE_NS:
             self._method = make_method(self._config)
             return 0.0
         return (now_ns - last_ns) * 1e-9
+
+    def destroy_node(self) -> None:
+        """End with a zero on `cmd_vel`, also when it ends by an error; the context is there yet."""
+        self._commands.end()
+        super().destroy_node()
 
     def _stop(self, reason: str) -> None:
         if self._is_enabled and self._goals.target is not None:

@@ -15,8 +15,8 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.transform_errors import TransformUnavailable
 from sjmc_planner.config import LocalPlannerConfig
-from sjmc_planner.limited_motion import moved_by
-from sjmc_planner.planning import STILL, Obstacles, Velocity
+from sjmc_planner.limited_motion import moved_by, seen_from
+from sjmc_planner.planning import Obstacles, Velocity
 from sjmc_planner.ros_conversions import velocity_from_msg
 from sjmc_planner.scan_mount import mounted
 
@@ -36,7 +36,7 @@ class PlannerInputs:
     def __init__(self, node: FloornavNode, config: LocalPlannerConfig) -> None:
         self._node, self._config, self._base = node, config, node.frames.base
         self._scan: tuple[Scan, str, int] | None = None
-        self._velocity = STILL
+        self._twist: tuple[Velocity, str, int] | None = None
         self._bad_scan = self._bad_odometry = ""
         scans = create_subscription(node, LaserScan, "scan", self._on_scan, SENSOR_QOS)
         odometry = create_subscription(node, Odometry, "odom", self._on_odom, SENSOR_QOS)
@@ -53,10 +53,17 @@ class PlannerInputs:
         """Return the measured velocity.
 
         Raises:
-            InputMissing: If odometry is not fresh or not usable.
+            InputMissing: If odometry is not fresh, not usable, or of a frame not known.
         """
         self._require(self._odometry, self._bad_odometry)
-        return self._velocity
+        assert self._twist is not None
+        velocity, frame, stamp_ns = self._twist
+        self._check_age(self._odometry, stamp_ns, self._config.odom_timeout_s)
+        try:
+            T_base_child = self._node.transforms.buffer.lookup(self._base, frame or self._base)
+        except (TransformUnavailable, ValueError) as error:
+            raise InputMissing(f"{self._odometry.topic}: child_frame_id: {error}") from error
+        return seen_from(velocity, T_base_child.to_se2())
 
     def obstacles(self, velocity: Velocity) -> Obstacles:
         """Return the newest scan, seen from where the robot is now.
@@ -72,16 +79,15 @@ class PlannerInputs:
             seen = mounted(scan, T_base_sensor)
         except (TransformUnavailable, ValueError) as error:
             raise InputMissing(f"{self._scans.topic}: {error}") from error
-        age = self._age(stamp_ns)
-        if age > self._config.scan_timeout_s:
-            raise InputMissing(f"{self._scans.topic}: its stamp is {age:.1f} s old")
+        age = self._check_age(self._scans, stamp_ns, self._config.scan_timeout_s)
         return Obstacles(scan=seen.scan, T_base_sensor=_back(velocity, age) @ seen.T_base_sensor)
 
     def pose(self, frame: str, velocity: Velocity) -> SE2:
         """Return the robot's pose in a frame, carried forward from the newest known.
 
         Raises:
-            InputMissing: If it is not known or older than `pose_timeout_s`.
+            InputMissing: If it is not known or older than `pose_timeout_s`, or if the frame is
+                the robot's own: a goal in it would move on with the robot.
         """
         buffer, base = self._node.transforms.buffer, self._base
         try:
@@ -89,10 +95,18 @@ class PlannerInputs:
             stamp_ns = buffer.newest_common_stamp(frame, base)
         except (TransformUnavailable, ValueError) as error:
             raise InputMissing(f"pose: {error}") from error
-        age = self._age(stamp_ns) if stamp_ns else 0.0
+        if not stamp_ns:
+            raise InputMissing(f"goal: '{frame}' is fixed to the robot; give it in odom or map")
+        age = self._age(stamp_ns)
         if age > self._config.pose_timeout_s:
             raise InputMissing(f"pose: '{frame}' to '{base}' is {age:.1f} s old")
         return T_frame_base @ moved_by(velocity, age)
+
+    def _check_age(self, watchdog: Watchdog, stamp_ns: int, timeout: float) -> float:
+        age = self._age(stamp_ns)
+        if age > timeout:
+            raise InputMissing(f"{watchdog.topic}: its stamp is {age:.1f} s old")
+        return age
 
     def _age(self, stamp_ns: int) -> float:
         return max(0.0, (self._node.get_clock().now().nanoseconds - stamp_ns) * 1e-9)
@@ -116,7 +130,9 @@ class PlannerInputs:
     def _on_odom(self, msg: Any) -> None:
         self._odometry.feed()
         try:
-            self._velocity, self._bad_odometry = velocity_from_msg(msg.twist.twist), ""
+            velocity = velocity_from_msg(msg.twist.twist)
+            self._twist = velocity, msg.child_frame_id, stamp_to_ns(msg.header.stamp)
+            self._bad_odometry = ""
         except ValueError as error:
             self._bad_odometry = str(error)
 
