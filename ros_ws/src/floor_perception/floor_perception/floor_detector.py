@@ -27,7 +27,7 @@ class FloorResult:
         mask: 255 where the floor is, else 0, (H, W), uint8.
         ratios: r_ij, (J, I).
         scan: Free space in `omni_camera_floor`; `inf` free to the horizon, NaN not seen, `-inf`
-            nearer than the first ring.
+            not even the first ring is free.
     """
 
     mask: np.ndarray
