@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from experiments.avoidance_fields import ROBOT_RADIUS, world_of
-from experiments.avoidance_runs import Run
+from experiments.avoidance_judge import Run
 from sim_bridge.solids import solids_of
 from sjmc_planner.config import LocalPlannerConfig, OmniConfig, RobotConfig
 from sjmc_planner.methods import make_method
