@@ -124,8 +124,9 @@ def test_a_drive_gives_glass_in_map_and_layer_and_both_are_saved(start, peer, tm
     here = SE2.identity()
     peer.spin_until(lambda: robot.maps["map"] and has_pane(robot.newest("map"), here))
     peer.spin_until(lambda: has_pane(robot.newest("map/glass"), here))
-    glass, laser = robot.newest("map/glass"), robot.newest("map/laser")
-    assert at(laser, here, 1.0, PANE_M) == FREE and has_pane(robot.newest("map/sonar"), here)
+    peer.spin_until(lambda: has_pane(robot.newest("map/sonar"), here))
+    glass = robot.newest("map/glass")
+    assert at(robot.newest("map/laser"), here, 1.0, PANE_M) == FREE
     points = glass.to_points(np.argwhere(glass.cells == OCCUPIED))
     assert np.abs(points[:, 1] - PANE_M).max() < 0.15
     assert set(np.unique(glass.cells)) == {UNKNOWN, OCCUPIED}

@@ -10,6 +10,7 @@ from floornav_common.grid import FREE, OCCUPIED, UNKNOWN
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.layers import MAX_WAITING, LayeredMapper
 from grid_mapper.sonar_config import SonarConfig
@@ -34,7 +35,7 @@ def reading(value: float, low: float = 0.1, high: float = 4.0, fov: float = FOV)
 
 def drive(values, *, config: GridMapperConfig | None = None, mapper=None, passes: int = 1):
     """Drive 2 m past a place, a sonar to the left; `values(step, x)` are its readings there."""
-    mapper = mapper or LayeredMapper(config or GridMapperConfig())
+    mapper = mapper or LayeredMapper(config or GridMapperConfig(fusion="overlay"))
     number = mapper.laser.num_key_scans * 1000
     for _ in range(passes):
         for step in range(NUM_STEPS):
@@ -131,7 +132,7 @@ def test_a_zero_field_of_view_maps_as_twenty_degrees():
 
 
 def test_a_stale_reading_older_than_all_scans_is_left_out_and_counted():
-    mapper = LayeredMapper(GridMapperConfig())
+    mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
     mapper.insert_range(S, reading(0.9), SONAR, "left")
     for k in range(3):
         mapper.insert_scan((10 + k) * S, blind_to_glass(0.0), LASER, SE2.identity())
@@ -187,14 +188,14 @@ def test_the_map_does_not_depend_on_the_sonars_rate(per_step):
 
 
 def test_each_sonar_is_counted_by_itself():
-    mapper = LayeredMapper(GridMapperConfig())
+    mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
     for k in range(8):
         mapper.place_range(k, reading(1.0), SE2(0.0, 0.0, k * 0.7), f"s{k}", SE2.identity())
     assert mapper.sonar_counts.counted == 8
 
 
 def test_a_robot_without_laser_drives_by_its_sonars():
-    mapper = LayeredMapper(GridMapperConfig())
+    mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
     for step in range(NUM_STEPS):
         at = SE2(step * STEP_M, 0.0, 0.0)
         mapper.place_range(step, reading(0.9), SONAR, "left", at)
@@ -205,7 +206,7 @@ def test_a_robot_without_laser_drives_by_its_sonars():
 
 def test_a_reading_is_placed_between_the_scans_round_its_own_stamp():
     """The robot drives 1 m/s; the reading is stamped halfway between two scans 0.1 s apart."""
-    config = GridMapperConfig(sonar=SonarConfig(min_points=1.0))
+    config = GridMapperConfig(fusion="overlay", sonar=SonarConfig(min_points=1.0))
     mapper = LayeredMapper(config)
     for k, x in enumerate((0.0, 0.1)):
         if k:
@@ -222,7 +223,9 @@ def test_readings_that_come_late_or_in_any_order_give_the_same_map():
     poses = drive_around(30)
     maps = []
     for is_late in (False, True):
-        mapper = LayeredMapper(GridMapperConfig(sonar=SonarConfig(min_points=1.0)))
+        mapper = LayeredMapper(
+            GridMapperConfig(fusion="overlay", sonar=SonarConfig(min_points=1.0))
+        )
         late = []
         for k, pose in enumerate(poses):
             each = (k * S // 10 - S // 30, reading(0.8), SONAR, f"s{k % 3}")
@@ -241,12 +244,12 @@ def test_readings_that_come_late_or_in_any_order_give_the_same_map():
 
 
 def test_scans_too_far_apart_in_time_place_no_reading_between_them():
-    mapper = LayeredMapper(GridMapperConfig())
+    mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
     for stamp_ns in (0, 7 * S):
         mapper.insert_scan(stamp_ns, blind_to_glass(0.0), LASER, SE2.identity())
         mapper.insert_range(stamp_ns + S, reading(0.9), SONAR, "left")
     assert (mapper.sonar_counts.placed, mapper.sonar_counts.unplaced) == (0, 1)
-    slow = LayeredMapper(GridMapperConfig(sonar=SonarConfig(max_pose_gap_s=7.5)))
+    slow = LayeredMapper(GridMapperConfig(fusion="overlay", sonar=SonarConfig(max_pose_gap_s=7.5)))
     for stamp_ns in (0, 7 * S):
         slow.insert_scan(stamp_ns, blind_to_glass(0.0), LASER, SE2.identity())
         slow.insert_range(stamp_ns + S, reading(0.9), SONAR, "left")
@@ -254,7 +257,7 @@ def test_scans_too_far_apart_in_time_place_no_reading_between_them():
 
 
 def test_a_pose_told_from_outside_is_not_joined_with_the_one_before():
-    mapper = LayeredMapper(GridMapperConfig())
+    mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
     mapper.insert_scan(0, blind_to_glass(0.0), LASER, SE2.identity())
     mapper.relocate(SE2(1.0, 0.0, 0.0))
     mapper.insert_range(S // 20, reading(0.9), SONAR, "left")
@@ -263,7 +266,7 @@ def test_a_pose_told_from_outside_is_not_joined_with_the_one_before():
 
 
 def test_readings_that_wait_are_bounded_and_a_break_drops_them():
-    mapper = LayeredMapper(GridMapperConfig())
+    mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
     for k in range(MAX_WAITING + 10):
         mapper.insert_range(k, reading(0.9), SONAR, "left")
     assert mapper.sonar_counts.unplaced == 10
@@ -286,5 +289,12 @@ def test_no_fusion_leaves_the_sonars_out_of_the_map():
 def test_values_changed_on_the_way_count_from_the_next_map_on():
     mapper = drive(true_echo)
     assert num_glass(mapper) > 0
-    mapper.reconfigure(GridMapperConfig(sonar=SonarConfig(min_points=1e6)))
+    mapper.reconfigure(GridMapperConfig(fusion="overlay", sonar=SonarConfig(min_points=1e6)))
+    assert num_glass(mapper) == 0
+
+
+def test_values_changed_on_the_way_reach_the_fusion():
+    mapper = drive(true_echo, config=GridMapperConfig(fusion="bayes"))
+    assert num_glass(mapper) > 0 and mapper.num_bytes > mapper.laser.num_bytes
+    mapper.reconfigure(GridMapperConfig(fusion="bayes", bayes=BayesConfig(pane_views=1e6)))
     assert num_glass(mapper) == 0

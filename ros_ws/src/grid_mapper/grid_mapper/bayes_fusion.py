@@ -56,6 +56,10 @@ class BayesFusion:
         self._fresh: deque[tuple[int, int]] = deque()
         self._panes: np.ndarray | None = None
 
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Find panes by other values from now on; views are kept as they were."""
+        self._config, self._panes = config, None
+
     def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
         """Trace a scan's beams, and judge some views again."""
         self._panes = None

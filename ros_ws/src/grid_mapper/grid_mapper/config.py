@@ -150,7 +150,7 @@ class GridMapperConfig:
         choices=("label", "log_odds"), read_only=True,
     )  # fmt: skip
     fusion: str = param(
-        "overlay",
+        "bayes",
         "How sonars enter the map: the published overlay, Bayesian integration, or not at all.",
         choices=("overlay", "bayes", "none"), read_only=True,
     )  # fmt: skip

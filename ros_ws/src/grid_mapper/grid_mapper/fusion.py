@@ -37,6 +37,15 @@ class Fusion(Protocol):
         """Return the map to drive by, on the lattice of the laser's."""
         ...
 
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Go on with other values; those marked read-only stay as they were."""
+        ...
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held beside the laser's and the sonars' maps."""
+        ...
+
 
 class OverlayFusion:
     """The published rule (glass paper, section 6), over the laser's map and the sonars'."""
@@ -58,6 +67,14 @@ class OverlayFusion:
     def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
         """Return the overlay of both maps."""
         return overlay(laser_map, self._sonar_map())
+
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Change nothing: the rule has no values of its own."""
+
+    @property
+    def num_bytes(self) -> int:
+        """Return 0."""
+        return 0
 
 
 class NoFusion:
@@ -81,6 +98,14 @@ class NoFusion:
     def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
         """Return the laser's map."""
         return laser_map
+
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Change nothing."""
+
+    @property
+    def num_bytes(self) -> int:
+        """Return 0."""
+        return 0
 
 
 def make_fusion(config: GridMapperConfig, laser_map: MapSource, sonar_map: MapSource) -> Fusion:

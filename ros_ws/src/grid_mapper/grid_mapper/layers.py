@@ -99,6 +99,7 @@ class LayeredMapper:
         self.config = config
         self.laser.reconfigure(config)
         self._sonar.config = config.sonar
+        self._fusion.reconfigure(config)
         self._maps.clear()
 
     def insert_scan(
@@ -203,8 +204,8 @@ class LayeredMapper:
 
     @property
     def num_bytes(self) -> int:
-        """Bytes held by the localizer and the published grids."""
-        return self.laser.num_bytes + self._sonar.num_bytes
+        """Bytes held by the localizer, the published grids and the fusion."""
+        return self.laser.num_bytes + self._sonar.num_bytes + self._fusion.num_bytes
 
     def _empty_layers(self) -> None:
         self.sonar_counts = SonarCounts()
