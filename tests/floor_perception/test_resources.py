@@ -7,8 +7,22 @@ from pathlib import Path
 
 import pytest
 
+from floor_perception.config import CameraNodeConfig, FloorDetectorConfig, FloorNodeConfig
+from floor_perception.floor_detector import FloorDetector
 from floor_perception.resources import find_file, load_camera_model, load_hidden_mask
 from floornav_common.camera_files import load_floor_camera
+from floornav_common.config_files import load_config
+
+PARAMETERS = Path(__file__).parents[2] / "ros_ws/src/floor_perception/parameters"
+
+
+def test_the_parameters_of_a_middle_size_robot_fit_its_camera() -> None:
+    """No key is unknown, and the camera sees all of the template."""
+    path = PARAMETERS / "middle_size.yaml"
+    node = load_config(path, CameraNodeConfig, others=[FloorDetectorConfig, FloorNodeConfig])
+    config = load_config(path, FloorDetectorConfig, others=[CameraNodeConfig, FloorNodeConfig])
+    detector = FloorDetector(load_camera_model(node.camera_model), config)
+    assert (detector.template.edges[0], detector.template.edges[-1]) == (0.45, 4.0)
 
 
 @pytest.mark.parametrize("name", ["soccer_small_size", "soccer_middle_size"])
