@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,8 +15,14 @@ def floor_picture(floor: Floor) -> np.ndarray | None:
     """Return the picture of a floor, RGB uint8, rows along +y from `from_m`; None without area.
 
     Edges are painted with the share of a texel that they cover, so that they lie where the file
-    says to a small part of a texel.
+    says to a small part of a texel. The last floors are kept: worlds of one floor begin sooner.
     """
+    painted = _painted(floor)
+    return None if painted is None else painted.copy()
+
+
+@lru_cache(maxsize=4)
+def _painted(floor: Floor) -> np.ndarray | None:
     columns, rows = (
         round((b - a) / floor.texel_m) for a, b in zip(floor.from_m, floor.to_m, strict=True)
     )
