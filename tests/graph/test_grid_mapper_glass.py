@@ -56,7 +56,7 @@ class Robot:
         node.wait_to_hear("/tf_static")
         self._tf_message = TFMessage
         self._tf = peer.publisher(TFMessage, "/tf", TF_QOS, to=node, num=num_tf)
-        self._range = peer.publisher(Range, "sonar", RELIABLE_QOS, to=node)
+        self.range = peer.publisher(Range, "sonar", RELIABLE_QOS, to=node)
         self._scan = peer.publisher(LaserScan, "scan", RELIABLE_QOS, to=node) if has_laser else None
         peer.wait_to_hear("map/sonar", "/tf")
 
@@ -70,7 +70,7 @@ class Robot:
         stamp_ns, odom = T0_NS + step * PERIOD_NS, SE2(step * STEP_M, 0.0, 0.0)
         stamp = ns_to_stamp(stamp_ns)
         reading = RangeReading(PANE_M, 0.35, 0.1, 4.0)
-        self._range.publish(range_to_msg(reading, stamp, "sonar_0"))
+        self.range.publish(range_to_msg(reading, stamp, "sonar_0"))
         if self._scan is not None:
             scan = scan_at(START @ odom @ LASER, square_room())
             self._scan.publish(scan_to_msg(scan, Header(stamp=stamp, frame_id="laser")))
@@ -105,6 +105,13 @@ def at(grid: OccupancyMap, pose: SE2, x: float, y: float) -> int:
 def has_pane(grid: OccupancyMap, pose: SE2) -> bool:
     """Tell whether the pane stands in a map, seen from where the drive began."""
     return all(at(grid, pose, x, PANE_M) == OCCUPIED for x in np.arange(0.4, 1.3, 0.05))
+
+
+def assert_only_the_pane(grid: OccupancyMap) -> None:
+    """Check that the pane is mapped, and nothing behind it."""
+    assert has_pane(grid, SE2.identity())
+    obstacles = grid.to_points(np.argwhere(grid.cells == OCCUPIED))
+    assert np.abs(obstacles[:, 1] - PANE_M).max() < 0.15
 
 
 def start_mapper(start, *parameters):
@@ -212,14 +219,37 @@ def test_sonars_alone_without_a_pose_are_refused_in_one_line(start):
     assert "use_scan false needs pose_source tf" in node.text and "Traceback" not in node.text
 
 
-def test_a_sonar_without_a_transform_is_named_and_changes_nothing(start, peer):
+def test_a_sonar_without_a_transform_is_named_and_the_one_beside_it_maps_as_ever(start, peer):
+    from floornav_common.ros.messages import ns_to_stamp, range_to_msg
+
+    node = start_mapper(
+        start, "pose_source:=tf", "use_scan:=false", "map_frame:=odom", "transform_timeout_s:=0.2"
+    )
+    robot = Robot(peer, node, num_tf=1, has_laser=False)
+    far = RangeReading(2.5, 0.35, 0.1, 4.0)  # were it placed anywhere, an echo not at the pane
+    for step in range(NUM_STEPS):
+        stamp = ns_to_stamp(T0_NS + step * PERIOD_NS)
+        robot.range.publish(range_to_msg(far, stamp, "nowhere"))
+        robot.send(step)
+        peer.spin_until(lambda s=step: robot.has_answer(robot.maps["map/sonar"], s))
+    assert "dropped" in node.wait_for("nowhere")
+    assert_only_the_pane(robot.newest("map/sonar"))
+
+
+def test_an_infrared_ranger_is_named_once_and_changes_nothing(start, peer):
     from sensor_msgs.msg import Range
 
     from floornav_common.ros.messages import ns_to_stamp, range_to_msg
-    from floornav_common.ros.qos import RELIABLE_QOS
 
-    node = start_mapper(start, "transform_timeout_s:=0.2")
-    ranges = peer.publisher(Range, "sonar", RELIABLE_QOS, to=node)
-    msg = range_to_msg(RangeReading(1.0, 0.3, 0.1, 4.0), ns_to_stamp(T0_NS), "nowhere")
-    peer.publish_until(ranges, msg, lambda: "nowhere" in node.text)
-    assert "dropped" in node.wait_for("nowhere")
+    node = start_mapper(start, "pose_source:=tf", "use_scan:=false", "map_frame:=odom")
+    robot = Robot(peer, node, num_tf=1, has_laser=False)
+    far = RangeReading(2.5, 0.35, 0.1, 4.0)
+    for step in range(NUM_STEPS):
+        msg = range_to_msg(far, ns_to_stamp(T0_NS + step * PERIOD_NS), "sonar_0")
+        msg.radiation_type = Range.INFRARED
+        robot.range.publish(msg)
+        robot.send(step)
+        peer.spin_until(lambda s=step: robot.has_answer(robot.maps["map/sonar"], s))
+    node.wait_for("sonar_0: infrared rangers see through glass")
+    assert node.text.count("infrared rangers") == 1
+    assert_only_the_pane(robot.newest("map/sonar"))

@@ -90,9 +90,9 @@ def odom_message(stamp_ns: int, x: float, child: str = "base_link"):
     )
 
 
-def range_message(stamp_ns: int, value: float, frame: str = "sonar_0"):
+def range_message(stamp_ns: int, value: float, frame: str = "sonar_0", radiation: int = 0):
     return STORE.types["sensor_msgs/msg/Range"](
-        header(stamp_ns, frame), 0, 0.5, 0.02, 1.0, value, variance=0.0
+        header(stamp_ns, frame), radiation, 0.5, 0.02, 1.0, value, variance=0.0
     )
 
 

@@ -178,6 +178,17 @@ def test_readings_that_say_nothing_change_nothing():
     assert fusion.occupancy(EMPTY).cells.max() == FREE
 
 
+def test_a_fixed_distance_ranger_tells_of_no_line():
+    fusion = BayesFusion(GridMapperConfig(fusion="bayes"))
+    drive(fusion, along(), ROOM, [])
+    before = fusion.num_bytes
+    for k, pose in enumerate(along()):
+        sonar = SE2(pose.x, pose.y, UP)
+        fusion.add_range(RangeReading(-np.inf, 2 * HALF, 1.5, 1.5), sonar, round((50 + k) * 1e9))
+    assert len(fusion.panes()) == 0
+    assert fusion.num_bytes == before
+
+
 @pytest.mark.parametrize(("y", "rows"), [(0.025, 1), (0.05, 2), (0.04, 2), (0.03, 1)])
 def test_a_pane_is_one_cell_thick_or_two_where_it_lies_on_their_border(y, rows):
     like = OccupancyMap(np.zeros((10, 10), np.int8), 0.05, SE2(0.0, -0.25, 0.0))

@@ -139,6 +139,27 @@ def test_values_come_as_the_driver_sent_them(tmp_path):
     np.testing.assert_equal([e.range for e in events], values)
 
 
+def test_an_infrared_ranger_is_left_out_and_named_once(tmp_path, capsys):
+    plain, mixed = sonar_bag(tmp_path / "plain"), tmp_path / "mixed"
+    messages = [m for m in drive(5) if m[0] != "/scan"]
+    messages.insert(0, ("/tf_static", 1, tf_message(transform(0, "base_link", "sonar_0"))))
+    for k in range(4):
+        stamp_ns = START_NS + k * NS // 20
+        messages.append(("/sonar", stamp_ns, range_message(stamp_ns, 0.7)))
+        infrared = range_message(stamp_ns, math.inf, "ir_front", radiation=1)
+        messages.append(("/sonar", stamp_ns + 1, infrared))
+    write_bag(mixed, sorted(messages, key=lambda m: m[1]))
+    recording, events = read(mixed, sonar_topics=("/sonar",))
+    assert [e.frame for e in events] == ["sonar_0"] * 4
+    assert recording.counts.infrared == {"ir_front"} and recording.counts.malformed == 0
+    out = tmp_path / "out"
+    assert run(mixed, "--sonar-topic", "/sonar", "--out", out, "--quiet") == 0
+    assert capsys.readouterr().err.count("ir_front: infrared rangers see through glass") == 1
+    assert json.loads((out / "summary.json").read_text())["infrared_frames"] == ["ir_front"]
+    assert run(plain, "--sonar-topic", "/sonar", "--out", tmp_path / "no", "--quiet") == 0
+    assert "infrared" not in capsys.readouterr().err
+
+
 def test_real_eight_sonars_show_a_corridor_round_a_corner(tmp_path):
     folder = data_file("sonar8-mapping")
     recording, events = read(folder)

@@ -72,9 +72,13 @@ class BayesFusion:
             self._judge(rows)
 
     def add_range(self, reading: RangeReading, T_map_sonar: SE2, stamp_ns: int) -> None:
-        """Take a reading into the view that it belongs to, and judge that."""
+        """Take a reading into the view that it belongs to, and judge that.
+
+        A fixed-distance ranger says that something is nearer than its distance, not where: no line
+        can be fitted to that, and it is left out.
+        """
         heard = classify(reading)
-        if isinstance(heard, Nothing):
+        if isinstance(heard, Nothing) or reading.min_range == reading.max_range:
             return
         is_echo, r = isinstance(heard, Hit), heard.range
         if not math.isfinite(r):

@@ -31,6 +31,7 @@ from grid_mapper.recordings import (
 from grid_mapper.recordings.events import WheelOptions
 from grid_mapper.recordings.listing import describe_recording
 from grid_mapper.relations import load_relations
+from grid_mapper.sonar_mount import infrared_warning
 from grid_mapper.trajectory_metrics import load_tum
 
 COMMAND = "map_bag"
@@ -59,6 +60,8 @@ def main(argv: list[str] | None = None) -> int:
         text = write_results(out, inputs, recording, run, mapper, summary)
     say(text, is_quiet=args.quiet)
     say(f"results: {out}", is_quiet=args.quiet)
+    if recording.counts.infrared:
+        print(f"warning: {infrared_warning(recording.counts.infrared)}", file=sys.stderr)
     if summary["problem"] is not None:
         state = "; the results are marked partial" if summary["partial"] else ""
         print(f"error: {summary['problem']}{state}", file=sys.stderr)

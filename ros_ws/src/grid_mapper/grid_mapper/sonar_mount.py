@@ -1,6 +1,8 @@
-"""Where a sonar sits in the plane of the map; one that looks at the floor is refused."""
+"""Which rangers are of use: where a sonar sits in the plane; what is refused, and why."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -29,3 +31,11 @@ def level_sonar(T_base_sonar: Transform3) -> SE2:
         )
     moved = T_base_sonar.translation
     return SE2(float(moved[0]), float(moved[1]), float(np.arctan2(y, x)))
+
+
+def infrared_warning(frames: Iterable[str]) -> str:
+    """Return what to say of infrared rangers, by their frames."""
+    return (
+        f"{', '.join(sorted(frames))}: infrared rangers see through glass and would erase it, "
+        "their readings are left out"
+    )

@@ -9,12 +9,13 @@ from sensor_msgs.msg import Range
 
 from floornav_common.readings import RangeReading
 from floornav_common.ros import messages
-from floornav_common.ros.diagnostics import OK, Status
+from floornav_common.ros.diagnostics import OK, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import SENSOR_QOS, copy_qos
 from floornav_common.ros.transformed_subscription import TransformedSubscription
 from floornav_common.transform3 import Transform3
 from grid_mapper.layers import SonarCounts
+from grid_mapper.sonar_mount import infrared_warning
 
 SONAR_QOS = copy_qos(SENSOR_QOS)
 SONAR_QOS.depth = 100
@@ -26,7 +27,7 @@ OnRange = Callable[[Any, str, RangeReading, Transform3], None]
 class SonarInputs:
     """Calls back with `(msg, sensor, reading, T_target_sonar)` once TF covers the reading's stamp.
 
-    Sonars of one topic are told apart by their frame_id.
+    Sonars of one topic are told apart by their frame_id. Infrared rangers are refused and named.
 
     Args:
         node: The node.
@@ -50,7 +51,9 @@ class SonarInputs:
         self._on_range = on_range
         self._warn = warn
         self._counts = counts
+        self._node = node
         self._sensors: set[str] = set()
+        self._infrared: set[str] = set()
         self._topics = [self._subscribe(node, topic, target_frame) for topic in topics]
         node.diagnostics.add("sonars", self.status)
 
@@ -65,12 +68,17 @@ class SonarInputs:
             "counted": counts.counted,
             "without a pose": counts.unplaced,
         }
+        if self._infrared:
+            return Status(WARN, infrared_warning(self._infrared), values)
         return Status(OK, "readings arrive" if self._sensors else "no sonar is heard", values)
 
     def _subscribe(
         self, node: FloornavNode, topic: str, target_frame: str
     ) -> TransformedSubscription:
         def on_message(msg: Any, T_target_sonar: Transform3) -> None:
+            if msg.radiation_type == Range.INFRARED:
+                self._refuse(msg.header.frame_id)
+                return
             sensor = f"{topic} {msg.header.frame_id}"
             self._sensors.add(sensor)
             try:
@@ -79,3 +87,9 @@ class SonarInputs:
                 self._warn(f"{topic}, {msg.header.frame_id}: {error}")
 
         return TransformedSubscription(node, Range, topic, SONAR_QOS, target_frame, on_message)
+
+    def _refuse(self, frame: str) -> None:
+        """Name an infrared ranger once in the log; the diagnostics go on saying it."""
+        if frame not in self._infrared:
+            self._infrared.add(frame)
+            self._node.get_logger().warning(infrared_warning((frame,)))

@@ -21,6 +21,7 @@ from grid_mapper.recordings.bag_choice import Choice, choose
 from grid_mapper.recordings.bag_frames import plain
 from grid_mapper.recordings.bag_messages import (
     StampedTransform,
+    is_infrared,
     odometry_from,
     range_event,
     stamp_ns_of,
@@ -137,6 +138,9 @@ class Lockstep:
     def _take_reading(self, message: Message, content: Any) -> None:
         stamp_ns = self._stamp_ns(message, stamp_ns_of(content))
         is_scan = message.topic == self._choice.scan_topic
+        if not is_scan and is_infrared(content):
+            self._counts.infrared.add(plain(content.header.frame_id))
+            return
         if stamp_ns == 0:
             self._counts.scans += is_scan
             self._counts.malformed += 1

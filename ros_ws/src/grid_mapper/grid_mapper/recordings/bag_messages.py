@@ -42,6 +42,11 @@ def odometry_from(message: Any) -> Transform3:
     return Transform3.from_parts((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
+def is_infrared(message: Any) -> bool:
+    """Tell whether a Range is of an infrared ranger, which sees through glass."""
+    return int(message.radiation_type) == int(message.INFRARED)
+
+
 def range_event(
     stamp_ns: int, message: Any, T_base_sonar: Transform3, T_odom_base: SE2 | None
 ) -> RangeEvent:
