@@ -37,10 +37,11 @@ class GridMapperNodeConfig:
     )
     max_pose_jump_m: float = param(
         0.3,
-        "With pose_source tf: a pose that jumped farther is said, and nothing is mapped on the way "
-        "of the jump.",
+        "With pose_source tf: a pose that left odometry by more within a second is said, and "
+        "nothing is mapped until it goes on steadily.",
         unit="m", gt=0.0,
     )  # fmt: skip
+    max_pose_jump_rad: float = param(0.3, "The same for a turn.", unit="rad", gt=0.0)
     map_period_s: float = param(
         1.0, "The map is published at most this often.", unit="s", gt=0.0, read_only=True
     )

@@ -16,7 +16,7 @@ from floornav_common.transform_errors import TransformUnavailable
 from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.nodes.scan_input import ScanInput
-from grid_mapper.pose_jumps import PoseJumps
+from grid_mapper.pose_jumps import Jump, PoseJumps
 from grid_mapper.sonar_mount import level_sonar
 
 JUMP_SHOWN_NS = 10_000_000_000
@@ -46,7 +46,7 @@ class GivenPoses:
         if config.use_scan:
             timeout_s = config.scan_timeout_s
             self._scans = ScanInput(node, node.frames.map, timeout_s, self._on_scan, warn)
-        node.transforms.on_restart(self._jumps.clear)  # the clock's too
+        node.transforms.on_restart(self._restart)  # the clock's too
 
     def configure(self, config: GridMapperNodeConfig) -> None:
         """Go on with other values."""
@@ -58,7 +58,8 @@ class GivenPoses:
         """Begin anew."""
         self.newest_ns: int | None = None
         self._num_mapped = self._num_jumps = 0
-        self._jumped: tuple[int, float] | None = None
+        self._is_jumping = False
+        self._jumped: tuple[int, Jump] | None = None
         self._jumps.clear()
 
     def lose(self) -> None:
@@ -94,9 +95,9 @@ class GivenPoses:
         if self._scans is not None and not self._scans.is_fresh:
             return Status(STALE, "no scans with a pose in the map frame", values)
         if self._jumped is not None:
-            at_ns, distance = self._jumped
+            at_ns, jump = self._jumped
             if self._node.time.steady_ns() - at_ns < JUMP_SHOWN_NS:
-                return Status(WARN, f"the given pose jumped by {distance:.2f} m", values)
+                return Status(WARN, f"the given pose jumped by {_words(jump)}", values)
         if not self._num_mapped:
             return Status(STALE, "no input with a pose in the map frame", values)
         return Status(OK, "poses are taken from TF", values)
@@ -109,13 +110,18 @@ class GivenPoses:
 
     def _is_steady(self, stamp_ns: int, T_map_base: SE2) -> bool:
         """Tell whether the pose goes on from the last; say so if it jumped."""
-        distance = self._jumps.jump(stamp_ns, T_map_base, self._odometry(stamp_ns))
-        if distance <= self._config.max_pose_jump_m:
+        jump = self._jumps.jump(stamp_ns, T_map_base, self._odometry(stamp_ns))
+        config = self._config
+        was_jumping, self._is_jumping = (
+            self._is_jumping,
+            (jump.distance > config.max_pose_jump_m or jump.turn > config.max_pose_jump_rad),
+        )
+        if not self._is_jumping:
             return True
-        self._num_jumps += 1
-        self._jumped = (self._node.time.steady_ns(), distance)
+        self._num_jumps += not was_jumping
+        self._jumped = (self._node.time.steady_ns(), jump)
         self._warn(
-            f"the given pose jumped by {distance:.2f} m: not mapped at the jump; what was mapped "
+            f"the given pose jumped by {_words(jump)}: not mapped at the jump; what was mapped "
             "before may lie elsewhere now, ~/reset forgets it"
         )
         return False
@@ -127,6 +133,16 @@ class GivenPoses:
         except (TransformUnavailable, ValueError):
             return None
 
+    def _restart(self) -> None:
+        """Begin anew in the map that is there: stamps jumped back."""
+        self.newest_ns, self._is_jumping = None, False
+        self._jumps.clear()
+        self._mapper.break_motion()
+
     def _note(self, stamp_ns: int) -> None:
         self._num_mapped += 1
         self.newest_ns = max(stamp_ns, self.newest_ns or 0)
+
+
+def _words(jump: Jump) -> str:
+    return f"{jump.distance:.2f} m and {jump.turn:.2f} rad"
