@@ -177,6 +177,12 @@ def test_an_old_stamp_stops_it_however_often_the_message_comes(launch, what):
     run.robot.until(run.robot.is_in("driving"))
 
 
+def test_stamps_of_another_clock_are_called_that(launch):
+    run = launch()
+    run.robot.age_ns["scan"] = 10**18
+    run.robot.until_stopped("stamped by another clock: use_sim_time?")
+
+
 def test_a_twist_that_is_no_number_stops_it(launch):
     run = launch()
     run.robot.speed = float("nan")

@@ -113,3 +113,9 @@ def test_bad_arguments_are_named(tmp_path):
     with pytest.raises(ValueError, match="no cells"):
         save_map(tmp_path / "m", OccupancyMap(np.zeros((0, 0), np.int8), 0.05, SE2.identity()))
     assert math.isclose(load_map(save_map(tmp_path / "m", a_map())).resolution, 0.05)
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path):
+    grid = OccupancyMap(np.zeros((2, 2), np.int8), 0.05, SE2.identity())
+    with pytest.raises(FileNotFoundError, match="no folder .*/nowhere"):
+        save_map(tmp_path / "nowhere" / "floor", grid)

@@ -123,6 +123,7 @@ def ring_edges(camera: FloorCamera, config: TemplateConfig) -> np.ndarray:
     if not np.isfinite(radii[[0, -1]]).all():
         raise ValueError(
             f"the camera must see the floor from range_min_m = {low:g} to horizon_m = {high:g} m"
+            + _seen_instead(distances[np.isfinite(radii)])
         )
     is_known = np.isfinite(radii)
     wanted = np.linspace(radii[0], radii[-1], config.num_rings + 1)
@@ -178,3 +179,9 @@ def _stand_ins(
     found[found >= 0] = np.where(areas[found[found >= 0]] > 0, found[found >= 0], -1)
     stand_ins[empty] = found
     return stand_ins
+
+
+def _seen_instead(distances: np.ndarray) -> str:
+    if not len(distances):
+        return "; it sees none of that"
+    return f"; it sees {distances[0]:.2f} to {distances[-1]:.2f} m: set template.* to that or less"

@@ -51,6 +51,8 @@ def save_map(
         raise ValueError("the map has no cells yet, so there is nothing to save")
     ending = ".png" if mode == "scale" else ".pgm"
     yaml_path, image_path = Path(f"{prefix}.yaml"), Path(f"{prefix}{ending}")
+    if not yaml_path.parent.is_dir():
+        raise FileNotFoundError(f"no folder {yaml_path.parent}: make it, or name another map_file")
     for path in (yaml_path, image_path):
         if path.exists() and not overwrite:
             raise FileExistsError(f"{path} exists; choose another name")

@@ -20,6 +20,8 @@ from sjmc_planner.planning import Obstacles, Velocity
 from sjmc_planner.ros_conversions import velocity_from_msg
 from sjmc_planner.scan_mount import mounted
 
+_ANOTHER_CLOCK_S = 1e8  # three years
+
 
 class InputMissing(Exception):  # noqa: N818, the base says what it means
     """Something is not there, is too old or is not usable: the robot must not move."""
@@ -104,6 +106,8 @@ class PlannerInputs:
 
     def _check_age(self, watchdog: Watchdog, stamp_ns: int, timeout: float) -> float:
         age = self._age(stamp_ns)
+        if age > _ANOTHER_CLOCK_S:
+            raise InputMissing(f"{watchdog.topic} is stamped by another clock: use_sim_time?")
         if age > timeout:
             raise InputMissing(f"{watchdog.topic}: its stamp is {age:.1f} s old")
         return age
