@@ -126,6 +126,37 @@ def test_glass_that_was_taken_away_is_cleared():
     assert len(fusion.panes()) == 0
 
 
+@pytest.mark.parametrize("y", [1.41, 1.62])
+def test_a_way_close_beside_a_pane_keeps_it(y):
+    fusion = mapped(along(), ROOM, [PANE])
+    before = np.ptp(fusion.panes()[:, [0, 2]])
+    drive(fusion, along(y=y), ROOM, [PANE], yaws=(0.0, UP, -UP), start_s=100)
+    assert np.ptp(fusion.panes()[:, [0, 2]]) >= before - 0.2
+
+
+def test_a_glass_door_that_is_shut_later_is_mapped():
+    beside = [(0.0, 1.52, 1.2, 1.52), (2.4, 1.52, 3.6, 1.52)]
+    fusion = BayesFusion(GridMapperConfig(fusion="bayes"))
+    for k, y in enumerate((0.0, 0.2)):
+        drive(fusion, along(y=y), ROOM, beside, start_s=100 * k)
+    assert not any((occupied(fusion)[:, 0] > 1.45) & (occupied(fusion)[:, 0] < 2.15))
+    for k, y in enumerate((-0.1, 0.3)):
+        drive(fusion, along(y=y), ROOM, [(0.0, 1.52, 3.6, 1.52)], start_s=300 + 100 * k)
+    points = occupied(fusion)
+    columns = np.unique(points[(points[:, 0] > 0.9) & (points[:, 0] < 2.7), 0])
+    assert np.diff(columns).max() < 0.06  # no hole
+
+
+def test_one_silent_pass_from_afar_leaves_a_mapped_pane():
+    pane = (0.0, 2.3, 3.0, 2.3)
+    fusion = BayesFusion(GridMapperConfig(fusion="bayes"))
+    for k, y in enumerate((0.6, 0.8)):
+        drive(fusion, along(y=y), ROOM, [pane], start_s=100 * k)
+    before = np.ptp(fusion.panes()[:, [0, 2]])
+    drive(fusion, along(), ROOM, [], start_s=300)
+    assert np.ptp(fusion.panes()[:, [0, 2]]) == pytest.approx(before, abs=0.1)
+
+
 def test_a_low_box_that_the_laser_looks_over_is_an_obstacle_too():
     box = (1.0, 1.0, 1.8, 1.0)
     points = occupied(mapped(along(), ROOM, [box]))

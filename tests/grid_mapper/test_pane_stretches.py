@@ -81,6 +81,51 @@ def test_what_newer_readings_hear_again_is_there():
     assert len(found(gone + rows, open_cells())) == 1
 
 
+def test_newer_misses_clear_even_what_was_heard_much_more_often():
+    rows = drive_along(np.arange(0.0, 1.0, 0.01), 0.0, 1.5)
+    for num, is_there in ((2, True), (4, False)):
+        gone = drive_along(np.full(num, 0.5), -0.2, None)
+        spans = found(rows + gone, open_cells(), BayesConfig(max_bay_m=0.2))
+        assert any(low < 0.5 < high for low, high in spans) == is_there
+
+
+def test_misses_older_than_enough_echoes_are_forgotten():
+    gone = drive_along(np.arange(0.0, 1.0, 0.01), -0.2, None)
+    rows = drive_along(np.arange(0.03, 1.0, 0.06), 0.0, 1.5)
+    ((low, high),) = found(gone + rows, open_cells())
+    assert (low, high) == (pytest.approx(0.0, abs=TOL_M), pytest.approx(1.0, abs=TOL_M))
+
+
+def test_misses_from_afar_do_not_clear_what_was_heard_well():
+    rows = drive_along(np.arange(0.0, 1.0, 0.05), 0.0, 1.5)
+    afar = drive_along(np.arange(0.0, 1.0, 0.08), -0.8, None)
+    ((low, high),) = found(rows + afar, open_cells())
+    assert (low, high) == (pytest.approx(0.0, abs=TOL_M), pytest.approx(0.95, abs=TOL_M))
+    assert found(rows + afar, open_cells(), BayesConfig(trusted_m=3.0)) == []
+
+
+def test_misses_from_afar_still_keep_a_bay_open_that_nothing_was_heard_of():
+    rows = drive_along(np.arange(0.0, 0.8, 0.1), 0.0, 1.5)
+    rows += drive_along(np.arange(0.9, 1.2, 0.05), -0.8, None)
+    ((_, high),) = found(rows, open_cells((1.4, 1.5)))
+    assert high < 1.0
+
+
+def test_misses_at_a_slant_count_only_within_the_critical_angle():
+    rows = drive_along(np.arange(0.0, 1.0, 0.1), 0.0, 1.5)
+    slanted = drive_along(np.arange(-1.0, 1.5, 0.03), 0.0, None, UP + 0.3)
+    assert found(rows + slanted, open_cells(), BayesConfig(critical_rad=0.15)) != []
+    assert found(rows + slanted, open_cells(), BayesConfig(critical_rad=0.4)) == []
+
+
+def test_a_way_beside_a_pane_is_none_through_it():
+    rows = drive_along(np.arange(0.0, 1.0, 0.1), 0.0, 1.5)
+    beside = drive_along(np.arange(0.0, 1.0, 0.05), 1.4, 0.1)
+    ahead = drive_along(np.arange(0.0, 1.0, 0.05), 1.4, None, 0.0)
+    ((low, high),) = found(rows + beside + ahead, open_cells())
+    assert (low, high) == (pytest.approx(0.0, abs=TOL_M), pytest.approx(0.95, abs=TOL_M))
+
+
 def test_where_the_robot_went_there_is_no_glass():
     rows = drive_along(np.arange(0.0, 0.6, 0.1), 0.0, 1.5)
     rows += drive_along(np.arange(1.0, 1.6, 0.1), 0.0, 1.5)

@@ -29,8 +29,23 @@ class BayesConfig:
     )
     pane_views: float = param(6.0, "A pane needs this many echoes, ...", unit="echoes", ge=2.0)
     trusted_m: float = param(
-        2.0, "From this range on an echo counts for less, by 1/r^2 (eq. 1).", unit="m", gt=0.0
-    )
+        2.0,
+        "From this range on an echo counts for less, by 1/r^2 (eq. 1), and so does a miss; misses "
+        "from beyond it count together as one at most.",
+        unit="m", gt=0.0,
+    )  # fmt: skip
+    critical_rad: float = param(
+        0.26,
+        "How far from its normal glass still answers a sonar (about 15 degrees at 50 kHz). "
+        "Set it for your sonars: cones that heard nothing speak against glass only where it must "
+        "have answered.",
+        unit="rad", gt=0.0, lt=pi / 2.0,
+    )  # fmt: skip
+    critical_sd_rad: float = param(
+        0.035,
+        "Standard deviation of that angle; a miss counts within the angle less two of them.",
+        unit="rad", ge=0.0,
+    )  # fmt: skip
     pane_baseline_m: float = param(0.2, "... heard from places this far apart.", unit="m", gt=0.0)
     max_bay_m: float = param(
         1.6,
@@ -53,8 +68,11 @@ class BayesConfig:
     )
     min_log_odds: float = param(0.8, "A stretch believed more than this is glass.", gt=0.0)
     moved_misses: float = param(
-        3.0, "This many misses newer than the last echo clear a stretch.", unit="misses", gt=0.0
-    )
+        3.0,
+        "This many misses newer than the last echo clear a stretch; misses older than its newest "
+        "echoes, this many, are forgotten.",
+        unit="misses", gt=0.0,
+    )  # fmt: skip
     max_repeats: float = param(
         3.0, "An echo heard again from the same place counts at most this often.",
         unit="echoes", ge=1.0,

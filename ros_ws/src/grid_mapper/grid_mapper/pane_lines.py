@@ -15,8 +15,6 @@ import numpy as np
 from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.echo_judging import EDGE_RAD, NUM_RAYS, wrapped
 
-SLANT_RAD = 0.26
-"""How far from its normal a smooth surface still answers a sonar at 50 kHz (about 15 degrees)."""
 STIFF = 1e-3
 """Information that holds a line where its echoes leave it undetermined."""
 
@@ -70,7 +68,9 @@ def find_lines(views: np.ndarray, config: BayesConfig) -> list[PaneLine]:
             theta, rho, rows, float(along.min()), float(along.max()), float(mine["r"].mean())
         )
         lines.append(line)
-        take_explained(views, is_taken, theta, rho, line.low, line.high, *tolerance)
+        take_explained(
+            views, is_taken, theta, rho, line.low, line.high, *tolerance, config.critical_rad
+        )
         is_taken[rows] = True
     return lines
 
@@ -174,7 +174,7 @@ def fit_line(views, rows, theta, rho, middle):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def take_explained(  # type: ignore[no-untyped-def]
-    views, is_taken, theta, rho, low, high, tolerance, share
+    views, is_taken, theta, rho, low, high, tolerance, share, critical
 ):
     """Take the echoes that a pane explains, also those from its part at a cone's edge."""
     c, s = np.cos(theta), np.sin(theta)
@@ -185,7 +185,7 @@ def take_explained(  # type: ignore[no-untyped-def]
         d = rho - (c * view.x + s * view.y)
         off = wrapped(theta - view.yaw if d > 0.0 else theta + np.pi - view.yaw)
         slant = max(abs(off) - view.half, 0.0)
-        if slant > SLANT_RAD or abs(abs(d) / np.cos(slant) - view.r) > 2.0 * (
+        if slant > critical or abs(abs(d) / np.cos(slant) - view.r) > 2.0 * (
             tolerance + share * view.r
         ):
             continue

@@ -3,7 +3,9 @@
 Along the line, in steps of a cell, echoes from there speak for glass, and laser beams that came
 back from there though most cross it. Sonars that faced the stretch squarely and heard nothing from
 there speak against it, and so does the way of the robot through it. A miss at a slant says nothing,
-for there glass is a mirror. Where nothing was heard either way, a pane is carried on to the next
+for there glass is a mirror, and misses from afar say little, for what silences one silences all.
+What moves is known by its newest readings: misses older than some echoes are forgotten, and misses
+newer than all echoes clear. Where nothing was heard either way, a pane is carried on to the next
 opaque thing that the laser sees on the line: a post, a frame, a wall.
 """
 
@@ -19,14 +21,14 @@ from grid_mapper.pane_lines import PaneLine, lies_on
 
 SPOT_M = 0.1
 """Half the length of glass that sends an echo back: the first Fresnel zone at 50 kHz and 2 m."""
-SQUARE_RAD = 0.19
-"""Glass met within this of its normal answers for sure: the critical angle less two deviations."""
 EDGE_RAD = 0.035
 """A miss says nothing of what lies this near the edge of the cone."""
-BODY_M = 0.12
-"""A sonar so near the line was on it: the robot went through."""
+TOO_NEAR_M = 0.12
+"""A sonar so near a line hears nothing of it, glass or not."""
 WENT_THROUGH = 10.0
-"""Misses that this counts for."""
+"""Misses that a way from one side of the line to the other counts for."""
+STEP_M, STEP_NS = 0.5, 1_000_000_000
+"""Views after each other no farther apart than this tell the way between."""
 FREE_BEYOND_M = 0.15
 """A miss counts where the cone was free so far beyond the line."""
 MIN_HITS = 3
@@ -58,8 +60,14 @@ def _states(
     """Return what each bin of a line is, from `first` on, shape (num,)."""
     step, theta, rho = cells.resolution, line.theta, line.rho
     tolerance = config.range_tolerance_m, config.range_tolerance_share
-    echoes, weak, newest = heard(views, theta, rho, first, step, num, *tolerance)
-    missed, newer = missing(views, theta, rho, first, step, newest)
+    order = np.argsort(views["stamp_ns"], kind="stable")
+    echoes, weak, newest, since, is_on = heard(
+        views, order[::-1], theta, rho, first, step, num, *tolerance, config.moved_misses
+    )
+    sure = config.critical_rad - 2.0 * config.critical_sd_rad
+    missed, newer = missing(
+        views, order, theta, rho, first, step, newest, since, is_on, sure, config.trusted_m
+    )
     is_opaque, hits = seen(cells, theta, rho, first, num)
     odds = config.echo_log_odds * echoes + config.miss_log_odds * missed
     odds += config.hit_log_odds * (hits >= MIN_HITS)
@@ -95,11 +103,17 @@ def _spot(along, first, step, num):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def heard(views, theta, rho, first, step, num, tolerance, share):  # type: ignore[no-untyped-def]
-    """Return the weights of open and of explained echoes of every bin, and the newest one's stamp.
+def heard(  # type: ignore[no-untyped-def]
+    views, order, theta, rho, first, step, num, tolerance, share, enough
+):
+    """Return of every bin the weights of open and explained echoes, two stamps, and who heard it.
+
+    The stamps are the newest echo's and that of the echo from which on there were `enough`; who
+    heard the line is said of every view.
 
     Args:
         views: All views.
+        order: Their rows, the newest first.
         theta: Of the line, rad.
         rho: Of the line, m.
         first: Where the first bin begins along the line, m.
@@ -107,51 +121,103 @@ def heard(views, theta, rho, first, step, num, tolerance, share):  # type: ignor
         num: How many there are.
         tolerance: Of a range, m.
         share: Of a range beside, in shares of it.
+        enough: Open echoes.
     """
     c, s = np.cos(theta), np.sin(theta)
-    echoes, weak, newest = np.zeros(num), np.zeros(num), np.zeros(num, np.int64)
-    for i in range(len(views)):
+    echoes, weak = np.zeros(num), np.zeros(num)
+    newest, since = np.zeros(num, np.int64), np.zeros(num, np.int64)
+    is_on = np.zeros(len(views), np.bool_)
+    for i in order:
         view = views[i]
         a, b = _spot(c * view.y - s * view.x, first, step, num)
         fit = lies_on(view, theta, c, s, rho, tolerance, share) if a < b else 0
+        is_on[i] = fit > 0
         for k in range(a, b) if fit > 0 else range(0):
-            if fit == 2:
-                echoes[k] += view.weight
-            else:
-                weak[k] += view.weight
             newest[k] = max(newest[k], view.stamp_ns)
-    return echoes, weak, newest
+            if fit == 1:
+                weak[k] += view.weight
+                continue
+            if echoes[k] < enough <= echoes[k] + view.weight:
+                since[k] = view.stamp_ns
+            echoes[k] += view.weight
+    return echoes, weak, newest, since, is_on
 
 
 @numba.njit(cache=True)
-def missing(views, theta, rho, first, step, newest):  # type: ignore[no-untyped-def]
-    """Return how often every bin was faced and not heard, and how often since its newest echo."""
+def missing(  # type: ignore[no-untyped-def]
+    views, order, theta, rho, first, step, newest, since, is_on, sure, trusted
+):
+    """Return how often every bin was faced and not heard, and how often since its newest echo.
+
+    Misses from farther than `trusted` together count as one at most: glass that answers weakly
+    answers none of them.
+
+    Args:
+        views: All views.
+        order: Their rows, the oldest first.
+        theta: Of the line, rad.
+        rho: Of the line, m.
+        first: Where the first bin begins along the line, m.
+        step: Length of a bin, m.
+        newest: Stamp of each bin's newest echo, ns.
+        since: Stamp that each bin's misses count from, ns.
+        is_on: Which views heard the line.
+        sure: Glass that is met within this of its normal answers for sure, rad.
+        trusted: m
+    """
     c, s, num = np.cos(theta), np.sin(theta), len(newest)
-    missed, newer = np.zeros(num), np.zeros(num)
-    for i in range(len(views)):
+    missed, newer, far, far_newer = np.zeros(num), np.zeros(num), np.zeros(num), np.zeros(num)
+    last = order[0] if len(order) else 0
+    for i in order:
         view = views[i]
         along, d = c * view.y - s * view.x, rho - (c * view.x + s * view.y)
-        lost = view.weight
-        if abs(d) < BODY_M:
-            low, high, lost = along - SPOT_M, along + SPOT_M, WENT_THROUGH
-        elif view.r > abs(d) + FREE_BEYOND_M:
-            low, high = _faced(view, theta, along, d)
-        else:
+        crossing, has_crossed = _crossing(views[last], view, c, s, rho)
+        has_crossed &= not (is_on[i] or is_on[last])
+        last = i
+        if has_crossed:
+            a, b = _spot(crossing, first, step, num)
+            _count(missed, newer, newest, since, a, b, WENT_THROUGH, view.stamp_ns)
+        if abs(d) < TOO_NEAR_M or view.r <= abs(d) + FREE_BEYOND_M:
             continue
+        low, high = _faced(view, theta, along, d, sure)
         a = max(int(np.ceil((low - first) / step - 0.5)), 0)
         b = min(int(np.floor((high - first) / step - 0.5)) + 1, num)
-        for k in range(a, b):
-            missed[k] += lost
-            newer[k] += lost if view.stamp_ns > newest[k] else 0.0
-    return missed, newer
+        if abs(d) <= trusted:
+            _count(missed, newer, newest, since, a, b, view.weight, view.stamp_ns)
+        else:
+            lost = view.weight * (trusted / d) ** 2  # as G of eq. 1
+            _count(far, far_newer, newest, since, a, b, lost, view.stamp_ns)
+    return missed + np.minimum(far, 1.0), newer + np.minimum(far_newer, 1.0)
 
 
 @numba.njit(cache=True, inline="always")
-def _faced(view, theta, along, d):  # type: ignore[no-untyped-def]
+def _count(missed, newer, newest, since, a, b, lost, stamp_ns):  # type: ignore[no-untyped-def]
+    """Add a miss to the bins from a to b."""
+    for k in range(a, b):
+        if stamp_ns >= since[k]:
+            missed[k] += lost
+            newer[k] += lost if stamp_ns > newest[k] else 0.0
+
+
+@numba.njit(cache=True, inline="always")
+def _crossing(before, after, c, s, rho):  # type: ignore[no-untyped-def]
+    """Return where along a line the way between two views crosses it, and whether it does."""
+    d0 = rho - (c * before.x + s * before.y)
+    d1 = rho - (c * after.x + s * after.y)
+    is_way = np.hypot(after.x - before.x, after.y - before.y) <= STEP_M
+    if (d0 > 0.0) == (d1 > 0.0) or not is_way or after.stamp_ns - before.stamp_ns > STEP_NS:
+        return 0.0, False
+    share = d0 / (d0 - d1)
+    x, y = before.x + share * (after.x - before.x), before.y + share * (after.y - before.y)
+    return c * y - s * x, True
+
+
+@numba.njit(cache=True, inline="always")
+def _faced(view, theta, along, d, sure):  # type: ignore[no-untyped-def]
     """Return from where to where a cone met a line so squarely that glass had answered, m."""
     off = wrapped(view.yaw - theta if d > 0.0 else view.yaw - theta - np.pi)
-    low = max(off - view.half + EDGE_RAD, -SQUARE_RAD)
-    high = min(off + view.half - EDGE_RAD, SQUARE_RAD)
+    low = max(off - view.half + EDGE_RAD, -sure)
+    high = min(off + view.half - EDGE_RAD, sure)
     if high <= low:
         return 0.0, -1.0
     if d > 0.0:
