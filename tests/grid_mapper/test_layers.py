@@ -12,8 +12,9 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.layers import MAX_WAITING, LayeredMapper
+from grid_mapper.layers import LayeredMapper
 from grid_mapper.sonar_config import SonarConfig
+from grid_mapper.waiting_readings import MAX_WAITING
 
 S = 1_000_000_000
 LASER, SONAR = SE2(0.1, 0.0, 0.0), SE2(0.0, 0.1, math.pi / 2.0)
@@ -272,6 +273,63 @@ def test_readings_that_wait_are_bounded_and_a_break_drops_them():
     assert mapper.sonar_counts.unplaced == 10
     mapper.break_motion()
     assert mapper.sonar_counts.unplaced == MAX_WAITING + 10
+
+
+def test_a_sonar_whose_clock_is_ahead_takes_no_room_from_the_others():
+    for is_started in (False, True):
+        mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
+        if is_started:
+            mapper.insert_scan(0, blind_to_glass(0.0), LASER, SE2.identity())
+        for k in range(2 * MAX_WAITING):
+            mapper.insert_range(3600 * S + k, reading(0.9), SONAR, "ahead")
+        for k in range(1, 5):
+            mapper.insert_range(k * S // 10 - 1, reading(0.9), SONAR, "right")
+        for k in range(5):
+            mapper.insert_scan(k * S // 10 + 1, blind_to_glass(0.0), LASER, SE2.identity())
+        assert mapper.sonar_counts.placed == 4
+        expected = 2 * MAX_WAITING if is_started else MAX_WAITING
+        assert mapper.sonar_counts.unplaced == expected
+
+
+@pytest.mark.parametrize("seconds", [4.9, 5.1])
+def test_a_reading_may_be_five_seconds_ahead_of_the_scans(seconds):
+    config = GridMapperConfig(fusion="overlay", sonar=SonarConfig(max_pose_gap_s=20.0))
+    mapper = LayeredMapper(config)
+    mapper.insert_scan(0, blind_to_glass(0.0), LASER, SE2.identity())
+    mapper.insert_range(round(seconds * S), reading(0.9), SONAR, "left")
+    mapper.insert_scan(10 * S, blind_to_glass(0.0), LASER, SE2.identity())
+    assert mapper.sonar_counts.placed == (seconds < 5.0)
+
+
+def test_after_a_break_no_reading_is_placed_between_the_poses_on_both_sides_of_it():
+    mapper = LayeredMapper(GridMapperConfig(fusion="overlay"))
+    mapper.insert_scan(0, blind_to_glass(0.0), LASER, SE2.identity())
+    mapper.break_motion()
+    mapper.insert_range(S // 20, reading(0.9), SONAR, "left")
+    mapper.insert_scan(S // 10, blind_to_glass(0.0), LASER, SE2.identity())
+    assert (mapper.sonar_counts.placed, mapper.sonar_counts.unplaced) == (0, 1)
+
+
+@pytest.mark.parametrize("fusion", ["overlay", "bayes", "none"])
+@pytest.mark.parametrize(
+    ("said", "is_weighed"),
+    [
+        (reading(math.nan), False),
+        (reading(4.5), False),
+        (reading(math.inf, high=math.inf), False),
+        (reading(math.inf), True),
+        (reading(0.9), True),
+    ],
+)
+def test_a_robot_that_stands_changes_maps_only_by_what_its_panes_weigh(fusion, said, is_weighed):
+    mapper = LayeredMapper(GridMapperConfig(fusion=fusion))
+    mapper.place_scan(0, blind_to_glass(0.0), LASER, SE2.identity())
+    mapper.place_range(0, said, SONAR, "left", SE2.identity())
+    before = mapper.num_changes
+    for k in range(1, 6):
+        mapper.place_range(k, said, SONAR, "left", SE2.identity())
+    assert mapper.num_changes - before == (5 if fusion == "bayes" and is_weighed else 0)
+    assert mapper.sonar_counts.placed == 6
 
 
 def test_reset_forgets_glass_and_counts():

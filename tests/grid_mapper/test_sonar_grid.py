@@ -57,6 +57,16 @@ def test_the_point_of_a_cell_is_one_over_r_squared_and_the_papers_threshold_is_4
     assert SonarConfig().min_points == pytest.approx(0.0000045 * 1000.0**2)
 
 
+def test_points_of_exactly_the_threshold_make_an_obstacle():
+    r = 2.0  # 0.25 points an echo: exact in binary, 18 of them are 4.5
+    for num, is_obstacle in ((17, False), (18, True)):
+        grid = SonarGrid(SonarConfig(min_points=4.5), CELL_M)
+        for _ in range(num):
+            grid.add_range(echo(r), HERE)
+        assert max(points_by_cell(grid).values()) == num * 0.25
+        assert (state_at(grid, r, 0.025) == OCCUPIED) == is_obstacle
+
+
 def test_one_echo_alone_makes_an_obstacle_only_nearer_than_0_471_m():
     for r, expected in ((0.46, OCCUPIED), (0.48, UNKNOWN)):
         grid = SonarGrid(SonarConfig(), CELL_M)

@@ -7,9 +7,9 @@ each other in space, each sonar by itself, so that its points depend on no senso
 
 from __future__ import annotations
 
-import heapq
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,9 +25,10 @@ from grid_mapper.pose_history import PoseHistory
 from grid_mapper.sonar_grid import SonarGrid
 from grid_mapper.sonar_keys import SonarKeys
 from grid_mapper.sonar_reading import Nothing, classify
+from grid_mapper.waiting_readings import WaitingReadings
 
-MAX_WAITING = 5000
-"""Readings that may wait for a scan: 24 sonars at 20 Hz for ten seconds."""
+MAX_AHEAD_NS = 5_000_000_000
+"""A reading stamped further after the newest trusted scan is of a clock that runs ahead."""
 
 
 @dataclass(frozen=True)
@@ -55,24 +56,14 @@ class SonarCounts:
         placed: Put into the maps' frame.
         void: Of these, saying nothing; see `sonar_reading`.
         counted: Of these, far enough from the last of that sonar to enter the ultrasonic map.
-        unplaced: Left out: no trusted scans near enough in time on both sides of their stamp.
+        unplaced: Left out: no trusted scans near enough in time on both sides of their stamp, or a
+            stamp far ahead of all scans.
     """
 
     placed: int = 0
     void: int = 0
     counted: int = 0
     unplaced: int = 0
-
-
-@dataclass(order=True)
-class _Waiting:
-    """A reading whose pose is not known yet; sorts by stamp, then as it came."""
-
-    stamp_ns: int
-    number: int
-    reading: RangeReading = field(compare=False)
-    T_base_sonar: SE2 = field(compare=False)
-    sensor: str = field(compare=False)
 
 
 class LayeredMapper:
@@ -132,11 +123,9 @@ class LayeredMapper:
             T_base_sonar: Pose of the sonar on the robot, which looks along its x axis.
             sensor: Tells sonars apart.
         """
-        self._num_taken += 1
-        waiting = _Waiting(stamp_ns, self._num_taken, reading, T_base_sonar, sensor)
-        heapq.heappush(self._waiting, waiting)
-        if len(self._waiting) > MAX_WAITING:
-            heapq.heappop(self._waiting)
+        newest_ns = self._history.newest_ns
+        is_ahead = newest_ns is not None and stamp_ns - newest_ns > MAX_AHEAD_NS
+        if is_ahead or not self._waiting.push(stamp_ns, reading, T_base_sonar, sensor):
             self.sonar_counts.unplaced += 1
         self._place_waiting()
 
@@ -152,13 +141,18 @@ class LayeredMapper:
         T_map_sonar = T_map_base @ T_base_sonar
         self.sonar_counts.placed += 1
         self._fusion.add_range(reading, T_map_sonar, stamp_ns)
-        if isinstance(classify(reading), Nothing):
+        heard = classify(reading)
+        if isinstance(heard, Nothing):
             self.sonar_counts.void += 1
             return
         keys = self._keys.setdefault(sensor, SonarKeys())
-        if keys.take(stamp_ns, T_map_base, self.config.sonar_key):
+        is_counted = keys.take(stamp_ns, T_map_base, self.config.sonar_key)
+        if is_counted:
             self._sonar.add_range(reading, T_map_sonar)
             self.sonar_counts.counted += 1
+        # Only panes are weighed by readings of one place too, and by none without a distance.
+        is_weighed = self.config.fusion == "bayes" and math.isfinite(heard.range)
+        self._num_heard += is_counted or is_weighed
 
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
         """Go on from another pose; see `ScanLocalizer.relocate`."""
@@ -168,8 +162,7 @@ class LayeredMapper:
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. Maps and pose stay."""
         self.laser.break_motion()
-        self.sonar_counts.unplaced += len(self._waiting)
-        self._waiting.clear()
+        self.sonar_counts.unplaced += self._waiting.clear()
         self._history.clear()
 
     def layers(self) -> Layers:
@@ -200,7 +193,7 @@ class LayeredMapper:
     @property
     def num_changes(self) -> int:
         """Grows whenever one of the maps may have changed."""
-        return self.laser.num_key_scans + self.sonar_counts.placed
+        return self.laser.num_key_scans + self._num_heard
 
     @property
     def num_bytes(self) -> int:
@@ -213,8 +206,8 @@ class LayeredMapper:
         self._fusion: Fusion = make_fusion(self.config, self.laser_map, self.sonar_map)
         self._keys: dict[str, SonarKeys] = {}
         self._history = PoseHistory()
-        self._waiting: list[_Waiting] = []
-        self._num_taken = 0
+        self._waiting = WaitingReadings()
+        self._num_heard = 0
         self._maps: dict[str, tuple[int, OccupancyMap]] = {}
 
     def _made(self, name: str, version: int, make: Callable[[], OccupancyMap]) -> OccupancyMap:
@@ -233,8 +226,7 @@ class LayeredMapper:
         if newest_ns is None:
             return
         max_gap_ns = round(self.config.sonar.max_pose_gap_s * 1e9)
-        while self._waiting and self._waiting[0].stamp_ns <= newest_ns:
-            w = heapq.heappop(self._waiting)
+        for w in self._waiting.pop_until(newest_ns):
             pose = self._history.at(w.stamp_ns, max_gap_ns)
             if pose is None:
                 self.sonar_counts.unplaced += 1
