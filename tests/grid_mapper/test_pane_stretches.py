@@ -81,6 +81,16 @@ def test_what_newer_readings_hear_again_is_there():
     assert len(found(gone + rows, open_cells())) == 1
 
 
+@pytest.mark.parametrize(("pane_views", "end"), [(6.0, 1.05), (2.0, 1.6)])
+def test_only_what_misses_leave_enough_of_is_carried_on(pane_views, end):
+    rows = drive_along(np.arange(0.0, 1.0, 0.1), 0.0, 1.5)
+    gone = drive_along(np.arange(0.0, 0.4, 0.03), -0.2, None)
+    config = BayesConfig(pane_views=pane_views, pane_baseline_m=0.05)
+    ((low, high),) = found(rows + gone, open_cells((1.6, 1.5)), config)
+    assert low > 0.5
+    assert high == pytest.approx(end, abs=TOL_M)
+
+
 def test_newer_misses_clear_even_what_was_heard_much_more_often():
     rows = drive_along(np.arange(0.0, 1.0, 0.01), 0.0, 1.5)
     for num, is_there in ((2, True), (4, False)):

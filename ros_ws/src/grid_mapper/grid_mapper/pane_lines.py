@@ -58,12 +58,10 @@ def find_lines(views: np.ndarray, config: BayesConfig) -> list[PaneLine]:
             continue
         theta, rho, rows = grow(views, is_taken, seed, *tolerance, gaps)
         mine = views[rows]
-        trust = np.minimum((config.trusted_m / mine["r"]) ** 2, 1.0)  # as G of eq. 1
-        is_heard = float(mine["weight"] @ trust) >= config.pane_views
-        if not is_heard or _spread(mine) < config.pane_baseline_m:
+        if not is_supported(mine, config):
             is_taken[seed] = True
             continue
-        along = _along(mine, theta)
+        along = along_line(mine, theta)
         line = PaneLine(
             theta, rho, rows, float(along.min()), float(along.max()), float(mine["r"].mean())
         )
@@ -75,14 +73,22 @@ def find_lines(views: np.ndarray, config: BayesConfig) -> list[PaneLine]:
     return lines
 
 
-def _along(views: np.ndarray, theta: float) -> np.ndarray:
+def is_supported(echoes: np.ndarray, config: BayesConfig) -> bool:
+    """Tell whether so many echoes, from places so far apart, make a pane."""
+    if not len(echoes):
+        return False
+    trust = np.minimum((config.trusted_m / echoes["r"]) ** 2, 1.0)  # as G of eq. 1
+    is_heard = float(echoes["weight"] @ trust) >= config.pane_views
+    return is_heard and _spread(echoes) >= config.pane_baseline_m
+
+
+def along_line(views: np.ndarray, theta: float) -> np.ndarray:
+    """Return where views are along (-sin(theta), cos(theta)), m."""
     return np.asarray(np.cos(theta) * views["y"] - np.sin(theta) * views["x"])
 
 
 def _spread(views: np.ndarray) -> float:
     """Return how far apart the places of views are, m."""
-    if not len(views):
-        return 0.0
     return float(np.hypot(np.ptp(views["x"]), np.ptp(views["y"])))
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.echo_judging import wrapped
 from grid_mapper.opaque_cells import Cells, at
-from grid_mapper.pane_lines import PaneLine, lies_on
+from grid_mapper.pane_lines import PaneLine, along_line, is_supported, lies_on
 
 SPOT_M = 0.1
 """Half the length of glass that sends an echo back: the first Fresnel zone at 50 kHz and 2 m."""
@@ -42,14 +42,16 @@ def stretches(line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cel
     Args:
         line: The line.
         views: All views.
-        config: Its log-odds, `max_bay_m` and `weak_share` are used.
+        config: Its log-odds, `max_bay_m`, `weak_share` and what a pane needs are used.
         cells: Of the laser.
     """
-    step = cells.resolution
-    first = line.low - config.line_reach_m
+    step, first = cells.resolution, line.low - config.line_reach_m
     num = int(np.ceil((line.high + config.line_reach_m - first) / step))
     states = _states(line, views, config, cells, first, num)
-    is_glass = _filled(states, round(config.max_bay_m / step), config.weak_share)
+    echoes = views[line.echoes]
+    bins = np.floor((along_line(echoes, line.theta) - first) / step).astype(np.int64)
+    is_carried = _supported(states, echoes, bins, config)
+    is_glass = _filled(states, is_carried, round(config.max_bay_m / step), config.weak_share)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], is_glass, [False])).astype(np.int8)))
     return np.asarray(first + step * edges.reshape(-1, 2))
 
@@ -59,15 +61,14 @@ def _states(
 ) -> np.ndarray:
     """Return what each bin of a line is, from `first` on, shape (num,)."""
     step, theta, rho = cells.resolution, line.theta, line.rho
+    axis = theta, rho, first, step
     tolerance = config.range_tolerance_m, config.range_tolerance_share
     order = np.argsort(views["stamp_ns"], kind="stable")
     echoes, weak, newest, since, is_on = heard(
-        views, order[::-1], theta, rho, first, step, num, *tolerance, config.moved_misses
+        views, order[::-1], axis, num, *tolerance, config.moved_misses
     )
     sure = config.critical_rad - 2.0 * config.critical_sd_rad
-    missed, newer = missing(
-        views, order, theta, rho, first, step, newest, since, is_on, sure, config.trusted_m
-    )
+    missed, newer = missing(views, order, axis, newest, since, is_on, sure, config.trusted_m)
     is_opaque, hits = seen(cells, theta, rho, first, num)
     odds = config.echo_log_odds * echoes + config.miss_log_odds * missed
     odds += config.hit_log_odds * (hits >= MIN_HITS)
@@ -81,7 +82,22 @@ def _states(
     return np.asarray(states)
 
 
-def _filled(states: np.ndarray, max_bins: int, weak_share: float) -> np.ndarray:
+def _supported(
+    states: np.ndarray, echoes: np.ndarray, bins: np.ndarray, config: BayesConfig
+) -> np.ndarray:
+    """Return which bins of glass keep, between openings, the echoes that a pane needs."""
+    is_glass = states == GLASS
+    part = np.cumsum(states == OPEN)
+    is_carried = np.zeros(len(states), bool)
+    for k in np.unique(part[is_glass]):
+        mine = echoes[is_glass[bins] & (part[bins] == k)]
+        is_carried |= is_glass & (part == k) & is_supported(mine, config)
+    return is_carried
+
+
+def _filled(
+    states: np.ndarray, is_carried: np.ndarray, max_bins: int, weak_share: float
+) -> np.ndarray:
     """Return which bins are glass once bays between glass and glass or opaque bins are filled."""
     is_glass = states == GLASS
     ends = np.flatnonzero(states >= GLASS)
@@ -89,7 +105,7 @@ def _filled(states: np.ndarray, max_bins: int, weak_share: float) -> np.ndarray:
         kinds = {int(states[a]), int(states[b])}
         if OPEN in kinds or not 1 < b - a <= max_bins + 1:
             continue
-        if GLASS in kinds or (states[a + 1 : b] == WEAK).mean() >= weak_share:
+        if is_carried[a] or is_carried[b] or (states[a + 1 : b] == WEAK).mean() >= weak_share:
             is_glass[a + 1 : b] = True
     return np.asarray(is_glass)
 
@@ -104,25 +120,22 @@ def _spot(along, first, step, num):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def heard(  # type: ignore[no-untyped-def]
-    views, order, theta, rho, first, step, num, tolerance, share, enough
+    views, order, axis, num, tolerance, share, enough
 ):
-    """Return of every bin the weights of open and explained echoes, two stamps, and who heard it.
+    """Return each bin's open and explained echoes, two stamps of it, and which views heard it.
 
-    The stamps are the newest echo's and that of the echo from which on there were `enough`; who
-    heard the line is said of every view.
+    The stamps are the newest echo's and that of the echo from which on there were `enough`.
 
     Args:
         views: All views.
         order: Their rows, the newest first.
-        theta: Of the line, rad.
-        rho: Of the line, m.
-        first: Where the first bin begins along the line, m.
-        step: Length of a bin, m.
+        axis: The line's theta (rad) and rho (m), and of its bins the first's start and length, m.
         num: How many there are.
         tolerance: Of a range, m.
         share: Of a range beside, in shares of it.
         enough: Open echoes.
     """
+    theta, rho, first, step = axis
     c, s = np.cos(theta), np.sin(theta)
     echoes, weak = np.zeros(num), np.zeros(num)
     newest, since = np.zeros(num, np.int64), np.zeros(num, np.int64)
@@ -145,7 +158,7 @@ def heard(  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def missing(  # type: ignore[no-untyped-def]
-    views, order, theta, rho, first, step, newest, since, is_on, sure, trusted
+    views, order, axis, newest, since, is_on, sure, trusted
 ):
     """Return how often every bin was faced and not heard, and how often since its newest echo.
 
@@ -155,16 +168,14 @@ def missing(  # type: ignore[no-untyped-def]
     Args:
         views: All views.
         order: Their rows, the oldest first.
-        theta: Of the line, rad.
-        rho: Of the line, m.
-        first: Where the first bin begins along the line, m.
-        step: Length of a bin, m.
+        axis: See `heard`.
         newest: Stamp of each bin's newest echo, ns.
         since: Stamp that each bin's misses count from, ns.
         is_on: Which views heard the line.
         sure: Glass that is met within this of its normal answers for sure, rad.
-        trusted: m
+        trusted: See above, m.
     """
+    theta, rho, first, step = axis
     c, s, num = np.cos(theta), np.sin(theta), len(newest)
     missed, newer, far, far_newer = np.zeros(num), np.zeros(num), np.zeros(num), np.zeros(num)
     last = order[0] if len(order) else 0
