@@ -182,6 +182,32 @@ def test_posts_join_panes():
         assert start - end <= 0.2  # a post's width and the cells it fills
 
 
+def test_the_glass_layer_leaves_posts_to_the_laser():
+    for shift in np.arange(0.0, 0.3, 0.035):  # pane ends fall anywhere in cells
+        post = (1.51, 1.53, 1.54, 1.53)
+        panes = [(shift, 1.53, 1.5, 1.53), (1.55, 1.53, 3.0 + shift, 1.53)]
+        fusion = mapped(along(low=-0.5 + shift), [*ROOM, post], panes)
+        points = fusion.glass().to_points(np.argwhere(fusion.glass().cells == OCCUPIED))
+        assert len(points) > 20
+        assert np.hypot(*(points - (1.525, 1.525)).T).min() > 0.03
+
+
+@pytest.mark.parametrize("scan_s", [0.5, 100.0])
+def test_what_the_laser_sees_later_explains_echoes_heard_before(scan_s):
+    fusion = BayesFusion(GridMapperConfig(fusion="bayes"))
+    for pose in along(low=-1.5, high=5.5):
+        for yaw in (UP, -UP):
+            sonar = SE2(pose.x, pose.y, yaw)
+            fusion.add_range(RangeReading(echo(sonar, ROOM), 2 * HALF, 0.1, REACH), sonar, 0)
+    assert len(fusion.panes()) > 0  # nothing else is known yet
+    for k in range(2):
+        pose = SE2(2.0 + k, 0.0, 0.0)
+        r, _ = distances(pose, ANGLES, ROOM)
+        scan = Scan(r, float(ANGLES[0]), float(np.deg2rad(0.5)), 0.05, 10.0)
+        fusion.add_scan(scan, pose, round((scan_s + k) * 1e9))
+    assert len(fusion.panes()) == 0
+
+
 def test_moving_robot_and_world_together_moves_the_panes():
     T = SE2(3.0, -1.0, 0.7)
     moved = [[*(T @ np.reshape(w, (2, 2))).ravel()] for w in [*ROOM, PANE]]

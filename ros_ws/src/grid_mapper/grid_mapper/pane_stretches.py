@@ -52,7 +52,7 @@ def stretches(line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cel
     bins = np.floor((along_line(echoes, line.theta) - first) / step).astype(np.int64)
     is_carried = _supported(states, echoes, bins, config)
     is_glass = _filled(states, is_carried, round(config.max_bay_m / step), config.weak_share)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], is_glass, [False])).astype(np.int8)))
+    edges = np.flatnonzero(np.diff(np.pad(is_glass.astype(np.int8), 1)))
     return np.asarray(first + step * edges.reshape(-1, 2))
 
 
