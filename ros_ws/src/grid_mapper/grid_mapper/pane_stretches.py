@@ -48,9 +48,8 @@ def stretches(line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cel
     step, first = cells.resolution, line.low - config.line_reach_m
     num = int(np.ceil((line.high + config.line_reach_m - first) / step))
     states = _states(line, views, config, cells, first, num)
-    echoes = views[line.echoes]
-    bins = np.floor((along_line(echoes, line.theta) - first) / step).astype(np.int64)
-    is_carried = _supported(states, echoes, bins, config)
+    bins = np.floor((along_line(views[line.echoes], line.theta) - first) / step).astype(np.int64)
+    is_carried = _supported(states, views[line.echoes], bins, config)
     is_glass = _filled(states, is_carried, round(config.max_bay_m / step), config.weak_share)
     edges = np.flatnonzero(np.diff(np.pad(is_glass.astype(np.int8), 1)))
     return np.asarray(first + step * edges.reshape(-1, 2))
