@@ -12,6 +12,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "grid_mapper"))
 
+from robot_messages import hear_diagnostics, statuses
 from worlds import scan_at, square_room
 
 from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
@@ -45,14 +46,14 @@ class Robot:
         from floornav_common.ros.qos import LATCHED_QOS, RELIABLE_QOS, TF_QOS
         from floornav_common.ros.transforms import StaticTransformBroadcaster
 
-        self.peer = peer
+        self.peer, self.start_ns = peer, T0_NS
         names = ("map", *LAYERS)
         self.maps = {name: peer.collect(OccupancyGrid, name, LATCHED_QOS) for name in names}
         self.poses = peer.collect(PoseWithCovarianceStamped, "pose", RELIABLE_QOS)
         self.transforms = peer.collect(TFMessage, "/tf", TF_QOS)
-        self._statics = StaticTransformBroadcaster(peer.node)
-        self._statics.send("base_link", "laser", 0, Transform3.from_se2(LASER))
-        self._statics.send("base_link", "sonar_0", 0, Transform3.from_se2(SONAR))
+        self.statics = StaticTransformBroadcaster(peer.node)
+        self.statics.send("base_link", "laser", 0, Transform3.from_se2(LASER))
+        self.statics.send("base_link", "sonar_0", 0, Transform3.from_se2(SONAR))
         node.wait_to_hear("/tf_static")
         self._tf_message = TFMessage
         self._tf = peer.publisher(TFMessage, "/tf", TF_QOS, to=node, num=num_tf)
@@ -65,18 +66,22 @@ class Robot:
         from std_msgs.msg import Header
 
         from floornav_common.ros.messages import ns_to_stamp, range_to_msg, scan_to_msg
-        from floornav_common.ros.transforms import _stamped
 
-        stamp_ns, odom = T0_NS + step * PERIOD_NS, SE2(step * STEP_M, 0.0, 0.0)
+        stamp_ns, odom = self.start_ns + step * PERIOD_NS, SE2(step * STEP_M, 0.0, 0.0)
         stamp = ns_to_stamp(stamp_ns)
         reading = RangeReading(PANE_M, 0.35, 0.1, 4.0)
         self.range.publish(range_to_msg(reading, stamp, "sonar_0"))
         if self._scan is not None:
             scan = scan_at(START @ odom @ LASER, square_room())
             self._scan.publish(scan_to_msg(scan, Header(stamp=stamp, frame_id="laser")))
+        self.send_odometry(stamp_ns, odom)
+        return stamp_ns
+
+    def send_odometry(self, stamp_ns: int, odom: SE2) -> None:
+        from floornav_common.ros.transforms import _stamped
+
         sample = _stamped("odom", "base_link", stamp_ns, Transform3.from_se2(odom))
         self._tf.publish(self._tf_message(transforms=[sample]))
-        return stamp_ns
 
     def drive(
         self, answer: list[Any], num_steps: int = NUM_STEPS, unanswered: range = range(0)
@@ -90,7 +95,10 @@ class Robot:
 
     def has_answer(self, answer: list[Any], step: int) -> bool:
         stamp = answer[-1].header.stamp if answer else None
-        return stamp is not None and stamp.sec * 10**9 + stamp.nanosec == T0_NS + step * PERIOD_NS
+        return (
+            stamp is not None
+            and stamp.sec * 10**9 + stamp.nanosec == self.start_ns + step * PERIOD_NS
+        )
 
     def newest(self, name: str) -> OccupancyMap:
         from floornav_common.ros.messages import grid_from_msg
@@ -257,4 +265,49 @@ def test_an_infrared_ranger_is_named_once_and_changes_nothing(start, peer):
         peer.spin_until(lambda s=step: robot.has_answer(robot.maps["map/sonar"], s))
     node.wait_for("sonar_0: infrared rangers see through glass")
     assert node.text.count("infrared rangers") == 1
+    assert_only_the_pane(robot.newest("map/sonar"))
+
+
+def test_a_sonar_with_a_clock_ahead_holds_no_other_up_and_alone_it_is_told(start, peer):
+    from diagnostic_msgs.msg import DiagnosticStatus
+
+    from floornav_common.ros.messages import ns_to_stamp, range_to_msg
+
+    node = start_mapper(start, "fusion:=overlay")
+    robot = Robot(peer, node, num_tf=2)
+    robot.statics.send("base_link", "sonar_ahead", 0, Transform3.from_se2(SONAR))
+
+    def ahead(step: int) -> Any:
+        stamp = ns_to_stamp(T0_NS + 3600 * 10**9 + step * PERIOD_NS)
+        return range_to_msg(RangeReading(2.5, 0.35, 0.1, 4.0), stamp, "sonar_ahead")
+
+    for step in range(NUM_STEPS):
+        robot.range.publish(ahead(step))
+        robot.send(step)
+        peer.spin_until(lambda s=step: robot.has_answer(robot.poses, s))
+    here = SE2.identity()
+    peer.spin_until(lambda: robot.maps["map/sonar"] and has_pane(robot.newest("map/sonar"), here))
+    assert_only_the_pane(robot.newest("map/sonar"))
+    arrays = hear_diagnostics(peer)
+    peer.publish_until(
+        robot.range,
+        ahead(NUM_STEPS),
+        lambda: any(
+            s.level == DiagnosticStatus.WARN and "no reading finds its pose" in s.message
+            for s in statuses(arrays, "sonars")
+        ),
+    )
+
+
+def test_beside_another_localizer_maps_go_on_after_stamps_have_jumped_back(start, peer):
+    node = start_mapper(start, "pose_source:=tf", "use_scan:=false", "map_frame:=odom")
+    robot = Robot(peer, node, num_tf=1, has_laser=False)
+    robot.start_ns = T0_NS + 1000 * 10**9
+    robot.drive(robot.maps["map/sonar"], 3)
+    for k in range(500):  # several old samples in a row tell that time jumped
+        robot.send_odometry(T0_NS - (600 - k) * 10_000_000, SE2.identity())
+        if peer.spin_until(lambda: "starting afresh" in node.text, 0.1, must=False):
+            break
+    robot.start_ns = T0_NS
+    robot.drive(robot.maps["map/sonar"])  # each map is stamped with the new time
     assert_only_the_pane(robot.newest("map/sonar"))

@@ -32,8 +32,9 @@ class TransformedSubscription:
     head, and what has waited for `transform_timeout_s` is dropped, counted and named.
 
     A message that comes late is put in its place while newer ones still wait; once a newer one was
-    handed over it is dropped and counted, so stamps never run back in the callback. Only a clock
-    or transforms that jump back, or 20 such messages in a row, begin a new order.
+    handed over it is dropped and counted, so stamps of one frame never run back in the callback;
+    sensors that share a topic do not hold each other up by their clocks. Only a clock or transforms
+    that jump back, or 20 such messages in a row, begin a new order.
 
     Stamp 0 would be looked up as "the newest transform": such a message is dropped and named.
 
@@ -51,7 +52,7 @@ class TransformedSubscription:
         num_delivered: Messages handed to the callback.
         num_dropped: Messages given up, for want of a transform, of room or of a stamp, or for
             coming too late.
-        num_behind: Those of them that came after a newer one was handed over.
+        num_behind: Those of them that came after a newer one of their frame was handed over.
     """
 
     def __init__(
@@ -70,11 +71,11 @@ class TransformedSubscription:
         self._callback = callback
         self._queue = WaitingQueue(CAPACITY)
         self._warnings = Throttle(_WARN_PERIOD_NS)
-        self._order = StampOrder(_BEHIND_IN_A_ROW)
+        self._orders: dict[str, StampOrder] = {}
         self._problem = self._error = ""
         self._dropped_at_ns: int | None = None
         node.transforms.on_update(self._deliver)
-        node.transforms.on_restart(self._order.restart)
+        node.transforms.on_restart(self._orders.clear)
         node.time.on_restart(self._restart)
         node.time.on_look(self._look)
         self._subscription = create_subscription(node, msg_type, topic, self._on_message, qos)
@@ -126,7 +127,9 @@ class TransformedSubscription:
             self._hand_over(head, transform)
 
     def _hand_over(self, waiting: Waiting, transform: Transform3) -> None:
-        if not self._order.is_next(waiting.stamp_ns):
+        frame = waiting.msg.header.frame_id
+        order = self._orders.setdefault(frame, StampOrder(_BEHIND_IN_A_ROW))
+        if not order.is_next(waiting.stamp_ns):
             self.num_behind += 1
             self._drop(_BEHIND)
             return
@@ -158,4 +161,4 @@ class TransformedSubscription:
 
     def _restart(self) -> None:
         self._queue.clear()
-        self._order.restart()
+        self._orders.clear()

@@ -53,6 +53,7 @@ class SonarInputs:
         self._counts = counts
         self._node = node
         self._sensors: set[str] = set()
+        self._seen = (0, 0)
         self._infrared: set[str] = set()
         self._topics = [self._subscribe(node, topic, target_frame) for topic in topics]
         node.diagnostics.add("sonars", self.status)
@@ -68,6 +69,10 @@ class SonarInputs:
             "counted": counts.counted,
             "without a pose": counts.unplaced,
         }
+        placed, unplaced = self._seen
+        self._seen = (counts.placed, counts.unplaced)
+        if counts.unplaced > unplaced and counts.placed == placed:
+            return Status(WARN, "no reading finds its pose: compare the stamps with scans", values)
         if self._infrared:
             return Status(WARN, infrared_warning(self._infrared), values)
         return Status(OK, "readings arrive" if self._sensors else "no sonar is heard", values)
