@@ -20,6 +20,7 @@ import pytest
 collect_ignore_glob = [] if importlib.util.find_spec("rclpy") else ["test_*.py"]
 
 EVENTUALLY_S = 60.0  # what must come at last, on a slow and busy machine too
+ENDING_S = 20.0  # for a node to end by itself, before it is killed
 SETTLE_S = 0.3  # the other side of a match hears of it a moment later
 DOMAINS = range(60, 100)
 
@@ -93,10 +94,14 @@ class NodeProcess:
         return self.wait_for_exit(timeout)
 
     def kill(self) -> None:
-        """End it for good, this one process only."""
+        """End it, this one process only; one that was killed leaves shared memory of DDS behind."""
         if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait(EVENTUALLY_S)
+            self.process.terminate()
+            try:
+                self.process.wait(ENDING_S)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait(EVENTUALLY_S)
         self._reader.join(EVENTUALLY_S)
         assert self.process.stdout is not None
         self.process.stdout.close()
