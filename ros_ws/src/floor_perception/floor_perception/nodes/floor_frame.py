@@ -30,6 +30,7 @@ class FloorFrame:
         self._node, self._name, self._position = node, name, camera.position_m
         self._buffer = node.transforms.buffer
         self._since_ns: int | None = None
+        self._num_senders = 0
         self._is_settled = False
         node.time.on_look(self._look)
 
@@ -37,7 +38,9 @@ class FloorFrame:
         if self._is_settled:
             return
         now = self._node.time.steady_ns()
-        self._since_ns = now if self._since_ns is None else self._since_ns
+        num_senders = self._node.count_publishers("/tf_static")
+        if self._since_ns is None or num_senders != self._num_senders:
+            self._since_ns, self._num_senders = now, num_senders  # its latched message is coming
         if self._buffer.can_transform(self._node.frames.base, self._name):
             self._is_settled = True
         elif now - self._since_ns >= _WAIT_NS:
