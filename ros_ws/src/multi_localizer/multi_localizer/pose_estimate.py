@@ -1,0 +1,86 @@
+"""A pose with its covariance in the map frame: what every localizer hands out, and its arithmetic.
+
+Errors are `(x, y, yaw)` of the estimate less the truth, in the axes of the map, yaw wrapped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floornav_common.se2 import SE2, wrap_angle
+
+
+@dataclass(frozen=True, eq=False)
+class PoseEstimate:
+    """Where a robot is, and how well that is known.
+
+    Attributes:
+        pose: Of base_link in the map frame.
+        cov: Covariance of x, y, yaw in the map frame, (3, 3); symmetric, positive definite.
+    """
+
+    pose: SE2
+    cov: np.ndarray
+
+    def __post_init__(self) -> None:
+        cov = np.array(self.cov, dtype=float)
+        if cov.shape != (3, 3) or not np.all(np.isfinite(cov)):
+            raise ValueError(f"cov must be (3, 3) and finite, got {cov.tolist()}")
+        if not np.allclose(cov, cov.T, rtol=1e-6, atol=1e-12):
+            raise ValueError(f"cov must be symmetric, got {cov.tolist()}")
+        cov = 0.5 * (cov + cov.T)
+        if np.linalg.eigvalsh(cov)[0] <= 0.0:
+            raise ValueError(f"cov must be positive definite, got {cov.tolist()}")
+        cov.flags.writeable = False
+        object.__setattr__(self, "cov", cov)
+
+
+def difference(a: SE2, b: SE2) -> np.ndarray:
+    """Return `a` less `b` in the axes of the map: (dx, dy, dyaw), yaw in (-pi, pi]."""
+    return np.array([a.x - b.x, a.y - b.y, wrap_angle(a.yaw - b.yaw)])
+
+
+def fuse(a: PoseEstimate, b: PoseEstimate) -> PoseEstimate:
+    """Return the estimate that two independent ones make together."""
+    gain = a.cov @ np.linalg.inv(a.cov + b.cov)
+    x, y, yaw = gain @ difference(b.pose, a.pose)
+    keep = np.eye(3) - gain
+    cov = keep @ a.cov @ keep.T + gain @ b.cov @ gain.T  # Joseph's form stays symmetric
+    return PoseEstimate(SE2(a.pose.x + x, a.pose.y + y, a.pose.yaw + yaw), cov)
+
+
+def mahalanobis(a: PoseEstimate, b: PoseEstimate) -> float:
+    """Return the squared distance of two independent estimates: chi-squared with 3 degrees."""
+    return normalized_error(a.pose, b.pose, a.cov + b.cov)
+
+
+def normalized_error(pose: SE2, truth: SE2, cov: np.ndarray) -> float:
+    """Return e^T C^-1 e of an error (NEES); its mean is 3 if the covariance is true."""
+    e = difference(pose, truth)
+    return float(e @ np.linalg.solve(cov, e))
+
+
+def propagate(estimate: PoseEstimate, motion: SE2, motion_cov: np.ndarray) -> PoseEstimate:
+    """Return the estimate after a motion.
+
+    Args:
+        estimate: Before it.
+        motion: The robot's new pose seen from its old one.
+        motion_cov: Covariance of the motion's x, y, yaw in the axes of the old pose, (3, 3).
+    """
+    c, s = np.cos(estimate.pose.yaw), np.sin(estimate.pose.yaw)
+    by_pose = np.array([
+        [1.0, 0.0, -s * motion.x - c * motion.y],
+        [0.0, 1.0, c * motion.x - s * motion.y],
+        [0.0, 0.0, 1.0],
+    ])  # fmt: skip
+    by_motion = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    cov = by_pose @ estimate.cov @ by_pose.T + by_motion @ motion_cov @ by_motion.T
+    return PoseEstimate(estimate.pose @ motion, cov)
+
+
+def moved(estimate: PoseEstimate, T_body_base: SE2) -> PoseEstimate:
+    """Return the pose of another frame of the same body, such as base_link for the camera's."""
+    return propagate(estimate, T_body_base, np.zeros((3, 3)))
