@@ -9,6 +9,7 @@ from typing import Any
 from floornav_common.readings import RangeReading
 from floornav_common.ros import messages
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
+from floornav_common.ros.map_to_odom import MapToOdom
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.odometry import OdometryFallback
 from floornav_common.scan import Scan
@@ -18,7 +19,6 @@ from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.localizer import ScanResult
 from grid_mapper.nodes.initial_pose import InitialPose
-from grid_mapper.nodes.map_to_odom import MapToOdom
 from grid_mapper.nodes.pose_outputs import PoseOutputs
 from grid_mapper.nodes.scan_input import ScanInput
 from grid_mapper.sonar_mount import level_sonar

@@ -12,6 +12,7 @@ class MapToOdom:
     """Sends the newest `T_map_odom`, stamped `transform_tolerance_s` ahead of the clock."""
 
     def __init__(self, node: FloornavNode) -> None:
+        """Listen for others who send it, and begin to send."""
         self._node = node
         self._owner = TransformOwner(node, node.frames.map, node.frames.odom)
         self._transform: Transform3 | None = None
