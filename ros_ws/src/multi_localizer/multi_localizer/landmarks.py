@@ -1,0 +1,158 @@
+"""Landmarks of a place: what is seen by class, and where it stands in the map.
+
+A file is a mapping from classes to where their landmarks are; `bearings/<class>` is where they are
+seen. Several of one class cannot be told apart by sight.
+
+    pole: {positions_m: [[0.0, 2.0], [3.0, 2.0]]}        # thin things
+    goal_blue:                                           # wide things: corners on the floor
+      outlines_m: [[[-4.66, -0.8], [-4.11, -0.8], [-4.11, 0.8], [-4.66, 0.8]]]
+    goal_blue_left:                                      # bearings of the left end of one
+      outlines_m: [[[-4.66, -0.8], [-4.11, -0.8], [-4.11, 0.8], [-4.66, 0.8]]]
+      seen: left
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from floornav_common.config_files import refuse_unknown
+
+PARTS = ("middle", "left", "right")
+_FOLDER = "places"
+_SAME_M = 1e-3
+_KEYS = ("positions_m", "outlines_m", "seen")
+Landmarks = Mapping[str, tuple["Landmark", ...]]
+
+
+@dataclass(frozen=True)
+class Landmark:
+    """One thing that is seen in a direction.
+
+    Attributes:
+        corners: Its outline on the floor, (x, y) each, m, in the map frame; one point: it is thin.
+        seen: Which part of it a bearing is of: `middle` (between both ends), `left` or `right` end.
+    """
+
+    corners: tuple[tuple[float, float], ...]
+    seen: str = "middle"
+
+    def __post_init__(self) -> None:
+        if self.seen not in PARTS:
+            raise ValueError(f"seen must be one of {', '.join(PARTS)}, got {self.seen!r}")
+        if not self.corners or not np.all(np.isfinite(self.corners)):
+            raise ValueError(f"corners must be finite points, got {self.corners}")
+        if len(self.corners) == 1 and self.seen != "middle":
+            raise ValueError("a landmark of one point has no ends: seen must be middle")
+
+    @property
+    def position(self) -> np.ndarray:
+        """Middle of the outline's box, (2,), m."""
+        corners = np.array(self.corners)
+        return np.asarray(0.5 * (corners.min(axis=0) + corners.max(axis=0)))
+
+    def point_seen(self, place: np.ndarray) -> np.ndarray:
+        """Return the point, (2,), that a bearing from `place` (2,) is taken of."""
+        if len(self.corners) == 1:
+            return self.position
+        right, left = self.ends_seen(place)
+        if self.seen != "middle":
+            return left if self.seen == "left" else right
+        a, b = left - place, right - place
+        # Both at the same distance lie symmetrically to the bearing between them.
+        share = math.hypot(*b) / max(math.hypot(*a) + math.hypot(*b), 1e-12)
+        return np.asarray(place + share * a + (1.0 - share) * b)
+
+    def ends_seen(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the corners seen farthest right and left from a place outside, (2,) each."""
+        corners = np.array(self.corners)
+        rays, middle = corners - place, self.position - place
+        turn = np.arctan2(
+            middle[0] * rays[:, 1] - middle[1] * rays[:, 0], rays @ middle
+        )  # of each corner from the middle
+        return corners[int(turn.argmin())], corners[int(turn.argmax())]
+
+
+def positions(landmarks: Landmarks) -> dict[str, np.ndarray]:
+    """Return the positions of each class, (K, 2), m."""
+    return {kind: np.array([m.position for m in marks]) for kind, marks in landmarks.items()}
+
+
+def load_landmarks(name_or_path: str | Path) -> dict[str, tuple[Landmark, ...]]:
+    """Read a file of landmarks: by path, or by the name of one of the package.
+
+    Raises:
+        ValueError: No such name, no such mapping, unknown keys, or two landmarks of a class at one
+            place.
+        OSError: The file cannot be read.
+    """
+    path = find_place(str(name_or_path))
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ValueError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
+    if not isinstance(data, dict) or not data:
+        raise ValueError(f"{path}: expected a mapping of class names to landmarks")
+    return {str(kind): _class_of(values, f"{path}: {kind}") for kind, values in data.items()}
+
+
+def find_place(name_or_path: str) -> Path:
+    """Return the path of a file of landmarks.
+
+    Raises:
+        ValueError: It is neither a path ending in .yaml or .yml nor a name in the package.
+    """
+    if name_or_path.endswith((".yaml", ".yml")):
+        return Path(name_or_path)
+    folder = resources.files("multi_localizer") / _FOLDER
+    known = sorted(f.name[: -len(".yaml")] for f in folder.iterdir() if f.name.endswith(".yaml"))
+    if name_or_path not in known:
+        raise ValueError(
+            f"no landmarks named {name_or_path!r}: a path ending in .yaml or one of "
+            f"{', '.join(known)}"
+        )
+    return Path(str(folder / f"{name_or_path}.yaml"))
+
+
+def _class_of(values: Any, where: str) -> tuple[Landmark, ...]:
+    if not isinstance(values, Mapping):
+        raise ValueError(f"{where}: expected a mapping, got {values!r}")
+    refuse_unknown([str(key) for key in values], _KEYS, where)
+    if ("positions_m" in values) == ("outlines_m" in values):
+        raise ValueError(f"{where}: give either positions_m or outlines_m")
+    try:
+        if "positions_m" in values:
+            outlines = [[point] for point in values["positions_m"]]
+        else:
+            outlines = list(values["outlines_m"])
+        seen = str(values.get("seen", "middle"))
+        marks = tuple(Landmark(tuple(_point(p) for p in outline), seen) for outline in outlines)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{where}: {error}") from error
+    _refuse_doubles(marks, where)
+    return marks
+
+
+def _point(values: Any) -> tuple[float, float]:
+    if not isinstance(values, list) or len(values) != 2:
+        raise ValueError(f"a point must be [x, y], got {values!r}")
+    if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
+        raise ValueError(f"a point must hold numbers, got {values!r}")
+    return float(values[0]), float(values[1])
+
+
+def _refuse_doubles(marks: tuple[Landmark, ...], where: str) -> None:
+    if not marks:
+        raise ValueError(f"{where}: has no landmarks")
+    for k, mark in enumerate(marks):
+        for other in marks[:k]:
+            if np.hypot(*(mark.position - other.position)) < _SAME_M:
+                x, y = mark.position
+                raise ValueError(f"{where}: two landmarks at one place, ({x:g}, {y:g})")
