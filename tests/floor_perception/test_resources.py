@@ -32,9 +32,11 @@ def test_the_simulated_robots_cameras_are_the_simulators(name: str) -> None:
 
 
 def test_a_path_is_taken_as_it_is_and_a_name_must_be_known() -> None:
-    assert find_file("a/b.yaml", "camera_models") == Path("a/b.yaml")
-    with pytest.raises(ValueError, match="soccer_small_size"):
-        find_file("nobody", "camera_models")
+    assert find_file("a/b.yaml", "colors") == Path("a/b.yaml")
+    with pytest.raises(ValueError, match="'nobody' in colors.*soccer"):
+        find_file("nobody", "colors")
+    with pytest.raises(ValueError, match="'nobody' in camera_models.*soccer_small_size"):
+        load_camera_model("nobody")
 
 
 def test_a_hidden_mask_must_be_a_picture(tmp_path: Path) -> None:

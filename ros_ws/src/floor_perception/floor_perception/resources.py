@@ -2,46 +2,24 @@
 
 from __future__ import annotations
 
-from importlib import resources
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from floornav_common.camera_files import load_floor_camera
-from floornav_common.floor_camera import FloorCamera
+from floornav_common import package_files
+from floornav_common.camera_files import load_camera_model
+
+__all__ = ["find_file", "load_camera_model", "load_hidden_mask"]
 
 
 def find_file(name_or_path: str, folder: str) -> Path:
-    """Return the path of a YAML file.
-
-    Args:
-        name_or_path: A path that ends in `.yaml` or `.yml`, or a name in the package's folder.
-        folder: That folder: `camera_models` or `colors`.
+    """Return the path of a YAML file: by path, or by the name of one in a folder of the package.
 
     Raises:
         ValueError: There is no such name.
     """
-    if name_or_path.endswith((".yaml", ".yml")):
-        return Path(name_or_path)
-    place = resources.files("floor_perception") / folder
-    known = sorted(f.name[: -len(".yaml")] for f in place.iterdir() if f.name.endswith(".yaml"))
-    if name_or_path not in known:
-        raise ValueError(
-            f"no file named {name_or_path!r} in {folder}: a path ending in .yaml or one of "
-            f"{', '.join(known)}"
-        )
-    return Path(str(place / f"{name_or_path}.yaml"))
-
-
-def load_camera_model(name_or_path: str) -> FloorCamera:
-    """Return the camera that the parameter `camera_model` names.
-
-    Raises:
-        ValueError: There is none, or the file does not hold to the schema.
-        OSError: The file cannot be read.
-    """
-    return load_floor_camera(find_file(name_or_path, "camera_models"))
+    return package_files.find_file(name_or_path, "floor_perception", folder)
 
 
 def load_hidden_mask(path: str) -> np.ndarray | None:

@@ -28,6 +28,7 @@ from floornav_common.cameras.central import CentralCamera
 from floornav_common.config import param, validate
 from floornav_common.config_files import coerce, refuse_unknown
 from floornav_common.floor_camera import FloorCamera
+from floornav_common.package_files import find_file
 from floornav_common.reporting import write_atomic
 
 KINDS: dict[str, type] = {
@@ -84,6 +85,16 @@ def load_floor_camera(path: str | Path) -> FloorCamera:
             raise ValueError(f"{path}: mount.height_m is missing: this kind has no height itself")
         values["height_m"] = own
     return FloorCamera(camera, **values)
+
+
+def load_camera_model(name_or_path: str) -> FloorCamera:
+    """Return the camera that the parameter `camera_model` names: a path, or one brought along.
+
+    Raises:
+        ValueError: There is none, or the file does not hold to the schema.
+        OSError: The file cannot be read.
+    """
+    return load_floor_camera(find_file(name_or_path, "floornav_common", "camera_models"))
 
 
 def save_floor_camera(floor_camera: FloorCamera, path: str | Path, comment: str = "") -> None:

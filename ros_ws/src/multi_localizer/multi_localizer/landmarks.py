@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +23,9 @@ import numpy as np
 import yaml
 
 from floornav_common.config_files import refuse_unknown
+from floornav_common.package_files import find_file
 
 PARTS = ("middle", "left", "right")
-_FOLDER = "places"
 _SAME_M = 1e-3
 _KEYS = ("positions_m", "outlines_m", "seen")
 Landmarks = Mapping[str, tuple["Landmark", ...]]
@@ -93,7 +92,7 @@ def load_landmarks(name_or_path: str | Path) -> dict[str, tuple[Landmark, ...]]:
             place.
         OSError: The file cannot be read.
     """
-    path = find_place(str(name_or_path))
+    path = find_file(str(name_or_path), "multi_localizer", "places")
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, yaml.YAMLError) as error:
@@ -101,24 +100,6 @@ def load_landmarks(name_or_path: str | Path) -> dict[str, tuple[Landmark, ...]]:
     if not isinstance(data, dict) or not data:
         raise ValueError(f"{path}: expected a mapping of class names to landmarks")
     return {str(kind): _class_of(values, f"{path}: {kind}") for kind, values in data.items()}
-
-
-def find_place(name_or_path: str) -> Path:
-    """Return the path of a file of landmarks.
-
-    Raises:
-        ValueError: It is neither a path ending in .yaml or .yml nor a name in the package.
-    """
-    if name_or_path.endswith((".yaml", ".yml")):
-        return Path(name_or_path)
-    folder = resources.files("multi_localizer") / _FOLDER
-    known = sorted(f.name[: -len(".yaml")] for f in folder.iterdir() if f.name.endswith(".yaml"))
-    if name_or_path not in known:
-        raise ValueError(
-            f"no landmarks named {name_or_path!r}: a path ending in .yaml or one of "
-            f"{', '.join(known)}"
-        )
-    return Path(str(folder / f"{name_or_path}.yaml"))
 
 
 def _class_of(values: Any, where: str) -> tuple[Landmark, ...]:
