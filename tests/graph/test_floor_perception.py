@@ -19,7 +19,7 @@ from geometry_msgs.msg import PoseArray
 from sensor_msgs.msg import CompressedImage, Image, LaserScan
 from tf2_msgs.msg import TFMessage
 
-from floornav_common.ros.diagnostics import ERROR, OK
+from floornav_common.ros.diagnostics import ERROR, OK, WARN
 from floornav_common.ros.messages import (
     array_to_compressed,
     array_to_image,
@@ -101,8 +101,10 @@ def test_the_overlay_is_sent_to_those_who_ask(node, peer, image) -> None:
     assert drawn.shape == image.shape and not np.array_equal(drawn, image[..., ::-1])
 
 
-def test_the_floor_frame_is_sent_where_nobody_else_does(node, peer) -> None:
+def test_the_floor_frame_is_sent_where_nobody_else_does(start, peer) -> None:
     sent = peer.collect(TFMessage, "/tf_static", LATCHED_QOS)
+    process = start(*NODE, "--ros-args", "-p", "publish_tf_after_s:=0.2")
+    process.wait_for("omni_camera_floor is sent by nobody", START_S)
     peer.spin_until(lambda: sent)
     (stamped,) = sent[0].transforms
     assert (stamped.header.frame_id, stamped.child_frame_id) == ("base_link", "omni_camera_floor")
@@ -112,12 +114,10 @@ def test_the_floor_frame_is_sent_where_nobody_else_does(node, peer) -> None:
 def test_the_floor_frame_of_a_robot_description_is_left_alone(start, peer) -> None:
     broadcaster = StaticTransformBroadcaster(peer.node)
     broadcaster.send("base_link", "omni_camera_floor", 0, Transform3.identity())
-    process = start(*NODE)
+    process = start(*NODE, "--ros-args", "-p", "publish_tf_after_s:=600.0")
     process.wait_for("ready", START_S)
-    process.wait_to_hear("/tf_static")
-    peer.spin(3.0)
+    process.wait_for("omni_camera_floor is sent by the robot's description")
     assert peer.node.count_publishers("/tf_static") == 1
-    assert "sent from the camera's YAML" not in process.text
 
 
 def test_without_floor_around_the_robot_nothing_is_promised(node, peer) -> None:
@@ -183,6 +183,25 @@ def test_images_refused_are_an_error_until_one_is_taken(start, peer, image, kind
     assert "the image is refused: image must" in refused()[0]
     states.clear()
     peer.publish_until(images, good, lambda: OK in [level for level, _ in said_of(states, part)])
+
+
+@pytest.mark.parametrize("part", ["floor", "markers"])
+def test_images_of_another_shape_are_a_warning_as_long_as_they_come(start, peer, part) -> None:
+    """640 x 480 by a camera file for 256 x 220: it may be the same picture, or another camera's."""
+    name = {"floor": "floor_detector", "markers": "marker_detector"}[part]
+    node = start(NODE[0], f"floor_perception.nodes.{name}_node")
+    node.wait_for("ready", START_S)
+    states = peer.collect(DiagnosticArray, "/diagnostics", RELIABLE_QOS)
+    images = peer.publisher(Image, "omni/image_raw", RELIABLE_QOS, to=node)
+    for size, level in (((480, 640), WARN), ((220, 256), OK)):
+        states.clear()
+        pixels = painted(upright_camera(size[::-1]), [(robot_body(), GRAY)])
+        msg = array_to_image(pixels, "rgb8", Time(sec=1), OPTICAL)
+        as_it_is = lambda v=level: [t for w, t in said_of(states, part) if w == v]  # noqa: E731
+        peer.publish_until(images, msg, as_it_is)
+        assert ("images are 640 x 480, camera_model is for 256 x 220" in as_it_is()[0]) == (
+            level == WARN
+        )
 
 
 def test_a_camera_model_that_is_none_is_named_at_the_start(start) -> None:

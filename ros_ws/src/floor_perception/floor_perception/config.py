@@ -155,6 +155,10 @@ class FloorNodeConfig:
         "Send base_frame -> floor_frame from the camera's YAML if /tf_static does not have it.",
         read_only=True,
     )
+    publish_tf_after_s: float = param(
+        7.0, "How long /tf_static must be silent about floor_frame before it is sent.",
+        unit="s", ge=0.0, read_only=True,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         validate(self)

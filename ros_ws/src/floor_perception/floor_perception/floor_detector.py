@@ -13,7 +13,7 @@ from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_mask import FloorMasker, closing_px
 from floor_perception.free_space import NOT_SEEN, floor_areas, ratios_and_ranges
 from floor_perception.glare import GlareFinder
-from floor_perception.image_size import camera_at_size
+from floor_perception.image_size import camera_at_size, shape_doubt
 from floor_perception.polar_template import PolarTemplate, make_template, row_spans
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.scan import Scan
@@ -48,6 +48,9 @@ class FloorDetector:
         config: Colors, mask, template.
         hidden: Picture whose black pixels see the robot, (H, W), or None.
         color: The floor's color to start with; None learns it from the first image.
+
+    Attributes:
+        size_doubt: What is doubtful about the images' size; "" if nothing.
     """
 
     def __init__(
@@ -157,6 +160,7 @@ class FloorDetector:
         self.glare = GlareFinder(template)
         self._ring = ring_pixels(camera, config, is_hidden)
         self._size = (height, width)
+        self.size_doubt = shape_doubt(self._calibrated, height, width)
         self._start_tracking(color)
 
     def _start_tracking(self, color: FloorColor | None) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 import yaml
 
 from floor_perception.color_model import TABLE_EDGE, chromaticity
-from floor_perception.image_size import camera_at_size
+from floor_perception.image_size import camera_at_size, shape_doubt
 from floornav_common.config import param, validate
 from floornav_common.config_files import coerce, refuse_unknown
 from floornav_common.floor_camera import FloorCamera
@@ -119,6 +119,9 @@ class MarkerDetector:
         camera: The camera over the floor; images of another size are taken as its resized ones.
         classes: By name.
         hidden: Picture whose black pixels see the robot, (H, W), or None.
+
+    Attributes:
+        size_doubt: What is doubtful about the images' size; "" if nothing.
     """
 
     def __init__(
@@ -177,6 +180,7 @@ class MarkerDetector:
             is_used = is_used & (hidden > 0)
         self._camera, self._is_used, self._size = camera, is_used, (height, width)
         self._labels = np.zeros((height, width), dtype=np.uint8)
+        self.size_doubt = shape_doubt(self._calibrated, height, width)
 
 
 @numba.njit(cache=True, error_model="numpy")

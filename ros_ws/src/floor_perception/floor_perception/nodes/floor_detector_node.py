@@ -39,11 +39,12 @@ class FloorDetectorNode(FloornavNode):
         """Declare, load the camera, subscribe, compile, and say ready."""
         super().__init__("floor_detector")
         config = declare_config(self, CameraNodeConfig)
-        is_tf_wanted = declare_config(self, FloorNodeConfig).publish_tf
+        tf_config = declare_config(self, FloorNodeConfig)
         self._detector = self._make_detector(config)
         self._frame = (self.frames.frame_prefix + config.floor_frame).lstrip("/")
-        if is_tf_wanted:
-            self._floor_frame = FloorFrame(self, self._frame, self._detector.camera)
+        if tf_config.publish_tf:
+            wait_s = tf_config.publish_tf_after_s
+            self._floor_frame = FloorFrame(self, self._frame, self._detector.camera, wait_s)
         self._mask_pub = create_publisher(self, Image, "floor/mask", RELIABLE_QOS)
         self._scan_pub = create_publisher(self, LaserScan, "floor/free_space", RELIABLE_QOS)
         self._overlay_pub = create_publisher(self, Image, "floor/overlay", RELIABLE_QOS)
@@ -78,6 +79,7 @@ class FloorDetectorNode(FloornavNode):
         started = time.perf_counter()
         self._num_images += 1
         self._newest = self._detector.detect(pixels, order, stamp_to_ns(header.stamp))
+        self._input.set_doubt(self._detector.size_doubt)
         self._ms = 1e3 * (time.perf_counter() - started)
         self._worst_ms = max(self._worst_ms, self._ms)
         if self._newest is None:
@@ -110,11 +112,12 @@ class FloorDetectorNode(FloornavNode):
             return Status(STALE, "no images: no free space is sent", values)
         if self._input.refusal:
             return self._input.refused("no free space is sent", values)
+        doubts = "; ".join(filter(None, (tracker.reason, self._input.doubt)))
         if self._newest is None:
-            return Status(WARN, f"no free space: {tracker.reason}", values)
+            return Status(WARN, f"no free space: {doubts}", values)
         values["directions seen (share)"] = f"{self._newest.coverage:.3f}"
-        if tracker.reason:
-            return Status(WARN, tracker.reason, values)
+        if doubts:
+            return Status(WARN, doubts, values)
         return Status(OK, "the floor's color is known", values)
 
 

@@ -10,24 +10,26 @@ from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.transforms import StaticTransformBroadcaster
 from floornav_common.transform3 import Transform3
 
-_WAIT_NS = 2_000_000_000
-
 
 class FloorFrame:
-    """Sends base_frame -> floor_frame once /tf_static has been quiet about it for two seconds.
+    """Sends base_frame -> floor_frame once /tf_static has been quiet about it for a while.
 
     A robot description that has the frame is listened to; where there is none, the camera's YAML
-    says where the camera is.
+    says where the camera is. Quiet is counted anew from each sender that comes: its latched message
+    comes later than itself. On a busy machine both may take 3 s, the time after which DDS says
+    again what was lost.
 
     Args:
         node: The node.
         name: Full name of the frame.
         camera: Where the camera is over the robot.
+        wait_s: How long to listen.
     """
 
-    def __init__(self, node: FloornavNode, name: str, camera: FloorCamera) -> None:
+    def __init__(self, node: FloornavNode, name: str, camera: FloorCamera, wait_s: float) -> None:
         """Begin to listen."""
         self._node, self._name, self._position = node, name, camera.position_m
+        self._wait_ns = int(1e9 * wait_s)
         self._buffer = node.transforms.buffer
         self._since_ns: int | None = None
         self._num_senders = 0
@@ -39,11 +41,13 @@ class FloorFrame:
             return
         now = self._node.time.steady_ns()
         num_senders = self._node.count_publishers("/tf_static")
-        if self._since_ns is None or num_senders != self._num_senders:
-            self._since_ns, self._num_senders = now, num_senders  # its latched message is coming
+        if self._since_ns is None or num_senders > self._num_senders:
+            self._since_ns = now
+        self._num_senders = num_senders
         if self._buffer.can_transform(self._node.frames.base, self._name):
             self._is_settled = True
-        elif now - self._since_ns >= _WAIT_NS:
+            self._say("is sent by the robot's description: the camera's YAML does not place it")
+        elif now - self._since_ns >= self._wait_ns:
             self._send()
 
     def _send(self) -> None:
@@ -53,7 +57,7 @@ class FloorFrame:
         self._broadcaster = StaticTransformBroadcaster(self._node)
         self._broadcaster.send(self._node.frames.base, self._name, stamp_ns, place)
         at = ", ".join(f"{v:g}" for v in np.asarray(self._position))
-        self._node.get_logger().info(
-            f"nobody sends {self._node.frames.base} -> {self._name}: sent from the camera's YAML, "
-            f"at ({at}) m"
-        )
+        self._say(f"is sent by nobody: now from the camera's YAML, at ({at}) m")
+
+    def _say(self, what: str) -> None:
+        self._node.get_logger().info(f"{self._node.frames.base} -> {self._name} {what}")

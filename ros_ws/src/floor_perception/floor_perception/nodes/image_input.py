@@ -32,6 +32,7 @@ class ImageInput:
 
     Attributes:
         refusal: Why the newest image was refused; "" if it was not.
+        doubt: What is doubtful about the newest image that was taken; "" if nothing.
     """
 
     def __init__(
@@ -44,7 +45,7 @@ class ImageInput:
         """Subscribe at once."""
         self._node, self._on_image = node, on_image
         self._warnings = Throttle(WARN_PERIOD_NS)
-        self.refusal = ""
+        self.refusal = self.doubt = ""
         is_raw = transport == "raw"
         kind, topic = (Image, TOPIC) if is_raw else (CompressedImage, f"{TOPIC}/compressed")
         callback = self._on_raw if is_raw else self._on_compressed
@@ -55,6 +56,12 @@ class ImageInput:
         """Say something about the input, not too often."""
         if self._warnings.is_due(self._node.time.steady_ns()):
             self._node.get_logger().warning(f"{self.watchdog.topic}: {text}")
+
+    def set_doubt(self, doubt: str) -> None:
+        """Take what is doubtful about the images, "" for nothing; what is new goes to the log."""
+        if doubt and doubt != self.doubt:
+            self._node.get_logger().warning(f"{self.watchdog.topic}: {doubt}")
+        self.doubt = doubt
 
     def refused(self, nothing: str, values: Mapping[str, Any]) -> Status:
         """Return the status of a node whose newest image was refused.

@@ -19,7 +19,7 @@ from floor_perception.config import CameraNodeConfig, MarkerNodeConfig
 from floor_perception.markers import MarkerClass, MarkerDetector, load_marker_classes
 from floor_perception.nodes.image_input import ImageInput
 from floor_perception.resources import find_file, load_camera_model, load_hidden_mask
-from floornav_common.ros.diagnostics import OK, STALE, Status
+from floornav_common.ros.diagnostics import OK, STALE, WARN, Status
 from floornav_common.ros.main import run_node
 from floornav_common.ros.messages import poses_to_msg
 from floornav_common.ros.node import FloornavNode
@@ -71,6 +71,7 @@ class MarkerDetectorNode(FloornavNode):
     def _on_image(self, header: Any, pixels: np.ndarray, order: str) -> None:
         started = time.perf_counter()
         found = self._detector.detect(pixels, order)
+        self._input.set_doubt(self._detector.size_doubt)
         self._ms = 1e3 * (time.perf_counter() - started)
         for name, markers in found.items():
             poses = [SE2(0.0, 0.0, marker.bearing) for marker in markers]
@@ -84,6 +85,8 @@ class MarkerDetectorNode(FloornavNode):
             return Status(STALE, "no images: no bearings are sent", values)
         if self._input.refusal:
             return self._input.refused("no bearings are sent", values)
+        if self._input.doubt:
+            return Status(WARN, self._input.doubt, values)
         return Status(OK, "looking", values)
 
 
