@@ -3,25 +3,32 @@
 The plan is made of one simulated drive along a glass wall, laid out five times: at the four corners
 and in the middle. Before each call a scan and a reading come in, so that nothing can be kept from
 the call before. Peer: the laser's map by itself; floor: one pass over the plan's cells.
+
+Then the drive is localized and mapped once more while another thread makes layers of that plan all
+the time, as the node's does at each publish: what a scan with its match, and all readings since,
+takes then. Peer: the same with nothing made meanwhile.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
-from experiments.bench_sonar_update import FUSIONS, WORLD
+from experiments.bench_sonar_update import FUSIONS, LIMIT_P99_MS, WORLD
 from experiments.glass_logs import GlassLog, drive
 from experiments.timing import Case, median_and_p99
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.layers_moment import Layers
 from grid_mapper.recordings.events import ScanEvent
 
 PLAN_M = 50.0
 NUM_CALLS = 40
+_WARM_UP = 20
 
 
 def run(seed: int, say: Callable[[str], None]) -> list[Case]:
@@ -40,7 +47,52 @@ def run(seed: int, say: Callable[[str], None]) -> list[Case]:
         peer, floor = (float(np.median(ms[name])) for name in ("laser's map", "floor"))
         median, p99 = median_and_p99(ms["layers"])
         cases.append(Case(f"publish_{fusion}", median, p99, "laser's map", peer, floor, extra))
+        cases.append(_update_case(f"update_meanwhile_{fusion}", mapper, log))
     return cases
+
+
+def _update_case(name: str, mapper: LayeredMapper, log: GlassLog) -> Case:
+    """Return the time of a whole update while layers are made all the time, and without."""
+    alone, _ = _updates(mapper, log, 2 * 10**14, makes_layers=False)
+    ms, num = _updates(mapper, log, 3 * 10**14, makes_layers=True)
+    median, p99 = median_and_p99(ms)
+    peer, peer_p99 = median_and_p99(alone)
+    extra = {
+        "alone_p99_ms": peer_p99, "layers_made": num, "longest_ms": float(ms.max()),
+        "limit_p99_ms": LIMIT_P99_MS, "reached": "yes" if p99 < LIMIT_P99_MS else "no",
+    }  # fmt: skip
+    return Case(name, median, p99, "no layers made", peer, None, extra)
+
+
+def _updates(
+    mapper: LayeredMapper, log: GlassLog, offset_ns: int, *, makes_layers: bool
+) -> tuple[np.ndarray, int]:
+    """Return ms of each scan with its match and the readings since, and how often layers were."""
+    mapper.break_motion()
+    mapper.relocate(log.start)
+    times, spent, num, making = [], 0.0, 0, None
+    with ThreadPoolExecutor(1) as pool:
+        for event, _ in log.events():
+            started, stamp_ns = time.perf_counter(), event.stamp_ns + offset_ns
+            if not isinstance(event, ScanEvent):
+                mapper.insert_range(stamp_ns, event.reading, event.T_base_sonar, event.frame)
+                spent += time.perf_counter() - started
+                continue
+            mapper.insert_scan(stamp_ns, event.scan, event.T_base_laser, event.T_odom_base)
+            if makes_layers and (making is None or making.done()):
+                making, num = _begin(pool, mapper, making), num + 1
+            times.append(1e3 * (spent + time.perf_counter() - started))
+            spent = 0.0
+    return np.array(times[_WARM_UP:]), num
+
+
+def _begin(
+    pool: ThreadPoolExecutor, mapper: LayeredMapper, before: Future[Layers] | None
+) -> Future[Layers]:
+    """Have the layers made of what is known now; raises what went wrong with those before."""
+    if before is not None:
+        before.result()
+    return pool.submit(mapper.moment().layers)
 
 
 def _places(log: GlassLog) -> list[SE2]:

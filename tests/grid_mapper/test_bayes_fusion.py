@@ -7,7 +7,8 @@ from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
-from grid_mapper.bayes_fusion import BayesFusion, on_panes
+from grid_mapper.bayes_fusion import BayesFusion
+from grid_mapper.bayes_moment import on_panes
 from grid_mapper.config import GridMapperConfig
 
 UP, HALF, REACH = np.pi / 2.0, np.deg2rad(10.0), 5.0
@@ -183,12 +184,12 @@ def test_posts_join_panes():
 
 
 def test_the_glass_layer_claims_nothing_that_the_laser_sees(monkeypatch):
-    fusion = mapped(along(), ROOM, [])
-    monkeypatch.setattr(fusion, "panes", lambda: np.array([(0.0, -1.025, 3.0, -1.025)]))
-    wall = fusion.glass()
-    monkeypatch.setattr(fusion, "panes", lambda: np.array([(0.0, 1.525, 3.0, 1.525)]))
+    moment = mapped(along(), ROOM, []).frozen()
+    monkeypatch.setattr(moment, "panes", lambda: np.array([(0.0, -1.025, 3.0, -1.025)]))
+    wall = moment.glass()
+    monkeypatch.setattr(moment, "panes", lambda: np.array([(0.0, 1.525, 3.0, 1.525)]))
     assert int((wall.cells == OCCUPIED).sum()) == 0
-    assert int((fusion.glass().cells == OCCUPIED).sum()) == pytest.approx(60, abs=2)
+    assert int((moment.glass().cells == OCCUPIED).sum()) == pytest.approx(60, abs=2)
 
 
 @pytest.mark.parametrize("scan_s", [0.5, 100.0])

@@ -6,7 +6,7 @@ import pytest
 from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.se2 import SE2
 from grid_mapper.glass_files import SUFFIXES, keepout_mask, save_layers
-from grid_mapper.layers import Layers
+from grid_mapper.layers_moment import Layers
 from grid_mapper.map_files import free_prefix, load_map
 
 CELL_M = 0.05

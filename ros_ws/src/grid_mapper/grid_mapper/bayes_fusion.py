@@ -15,25 +15,25 @@ measurements be integrated by Bayes' rule. Step by step:
 6. Cells on the stretches are occupied.
 
 Steps 1 to 3 are done as data come, with views judged again in turn, for laser and neighbors are
-known better later; steps 4 to 6 when a map is asked for.
+known better later; steps 4 to 6 when a map is asked for (`bayes_moment`).
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from floornav_common.grid import OCCUPIED, UNKNOWN, OccupancyMap
+from floornav_common.grid import OccupancyMap
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from grid_mapper.bayes_moment import BayesMoment
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.echo_judging import judge
 from grid_mapper.opaque_cells import OpaqueCells
-from grid_mapper.pane_lines import PaneLine, find_lines
-from grid_mapper.pane_stretches import stretches
 from grid_mapper.sonar_reading import Hit, Nothing, classify, opening
 from grid_mapper.sonar_views import SonarViews
 
@@ -54,15 +54,15 @@ class BayesFusion:
         self._opaque = OpaqueCells(config.resolution_m)
         self._turn = 0
         self._fresh: deque[tuple[int, int]] = deque()
-        self._panes: np.ndarray | None = None
+        self._moment: BayesMoment | None = None
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Find panes by other values from now on; views are kept as they were."""
-        self._config, self._panes = config, None
+        self._config, self._moment = config, None
 
     def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
         """Trace a scan's beams, and judge some views again."""
-        self._panes = None
+        self._moment = None
         self._opaque.add_scan(scan, T_map_laser, stamp_ns, self._config.log_odds)
         rows = self._due(stamp_ns - SOON_NS)
         if self._views.num:
@@ -87,49 +87,37 @@ class BayesFusion:
         most = self._config.bayes.max_repeats
         row = self._views.add(T_map_sonar, half, r, is_echo, stamp_ns, most)
         self._judge([row])
-        self._panes = None
+        self._moment = None
         self._fresh.append((stamp_ns, row))
         if len(self._fresh) > MAX_FRESH:
             self._fresh.popleft()
 
+    def frozen(self, *_: Callable[[], OccupancyMap]) -> BayesMoment:
+        """Return what is known now, for another thread to find panes in; maps are not needed."""
+        if self._moment is None:
+            rows = np.array([row for _, row in self._fresh], np.int64)
+            self._moment = BayesMoment(
+                self._config, self._views.used.copy(), rows, self._firsts(rows),
+                self._opaque.frozen(),
+            )  # fmt: skip
+        return self._moment
+
     def panes(self) -> np.ndarray:
         """Return the stretches of glass found, as (x0, y0, x1, y1), shape (N, 4), m."""
-        if self._panes is None:
-            self._panes = self._find_panes()
-        return self._panes
+        return self.frozen().panes()
 
-    def _find_panes(self) -> np.ndarray:
-        if self._fresh:
-            self._judge([row for _, row in self._fresh])
-        found: list[np.ndarray] = []
-        for line in sorted(find_lines(self._views.used, self._config.bayes), key=lambda p: p.range):
-            if self._is_heard_through(line, found):
-                continue
-            ends = stretches(line, self._views.used, self._config.bayes, self._opaque.cells)
-            foot = line.rho * np.array([np.cos(line.theta), np.sin(line.theta)])
-            way = np.array([-np.sin(line.theta), np.cos(line.theta)])
-            found += [np.concatenate((foot + a * way, foot + b * way)) for a, b in ends]
-        return np.array(found).reshape(-1, 4)
+    def glass(self) -> OccupancyMap:
+        """Return the panes: occupied there, unknown elsewhere, over all that the laser saw."""
+        return self.frozen().glass()
+
+    def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
+        """Return the laser's map with the panes in it."""
+        return self.frozen().occupancy(laser_map)
 
     @property
     def num_bytes(self) -> int:
         """Bytes held."""
         return self._views.num_bytes + self._opaque.num_bytes
-
-    def _is_heard_through(self, line: PaneLine, panes: list[np.ndarray]) -> bool:
-        """Tell whether most echoes of a line came from behind panes nearer than it."""
-        if not panes:
-            return False
-        views = self._views.used[line.echoes]
-        places = np.column_stack((views["x"], views["y"]))
-        n = np.array([np.cos(line.theta), np.sin(line.theta)])
-        feet = places + (line.rho - places @ n)[:, None] * n
-        share = (views["r"] - 0.15) / views["r"]
-        ends = places + np.maximum(share, 0.0)[:, None] * (feet - places)
-        is_behind = np.zeros(len(views), bool)
-        for x0, y0, x1, y1 in panes:
-            is_behind |= _cross(places, ends, np.array([x0, y0]), np.array([x1, y1]))
-        return bool(is_behind.mean() > 0.5)
 
     def _due(self, before_ns: int) -> list[int]:
         """Take the rows of the views that came before a stamp and were judged but once."""
@@ -140,57 +128,11 @@ class BayesFusion:
 
     def _judge(self, rows: list[int]) -> None:
         config = self._config.bayes
-        firsts = np.array([self._views.near(row) for row in rows])
         judge(
-            self._views.rows, np.array(rows), firsts, config.explained_m, config.range_tolerance_m,
-            config.range_tolerance_share, self._opaque.cells,
+            self._views.rows, np.array(rows), self._firsts(rows), config.explained_m,
+            config.range_tolerance_m, config.range_tolerance_share, self._opaque.cells,
         )  # fmt: skip
 
-    def glass(self) -> OccupancyMap:
-        """Return the panes: occupied there, unknown elsewhere, over all that the laser saw."""
-        values, origin = self._opaque.dense()
-        cells = np.full(values.shape, UNKNOWN, np.int8)
-        empty = OccupancyMap(cells, self._config.resolution_m, origin)
-        is_pane = on_panes(empty, self.panes(), self._config.bayes.half_thickness_m)
-        cells[is_pane & (values <= 0.0)] = OCCUPIED
-        return OccupancyMap(cells, empty.resolution, origin)
-
-    def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
-        """Return the laser's map with the panes in it."""
-        cells = laser_map.cells.copy()
-        cells[on_panes(laser_map, self.panes(), self._config.bayes.half_thickness_m)] = OCCUPIED
-        return OccupancyMap(cells, laser_map.resolution, laser_map.origin)
-
-
-def _cross(a: np.ndarray, b: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return which ways from a (N, 2) to b (N, 2) cross the one from p to q."""
-
-    def side(u: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray:
-        d, e = v - u, w - u
-        return np.asarray(d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0])
-
-    return np.asarray(
-        ((side(p, q, a) > 0.0) != (side(p, q, b) > 0.0))
-        & ((side(a, b, p[None]) > 0.0) != (side(a, b, q[None]) > 0.0))
-    )
-
-
-def on_panes(like: OccupancyMap, panes: np.ndarray, half_thickness: float) -> np.ndarray:
-    """Return which cells of a map have their centers on panes (N, 4), shape of the map."""
-    is_on = np.zeros(like.cells.shape, bool)
-    for x0, y0, x1, y1 in panes:
-        local = like.origin.inverse() @ np.array([[x0, y0], [x1, y1]])
-        low = np.floor((local.min(axis=0) - half_thickness) / like.resolution).astype(int)
-        high = np.ceil((local.max(axis=0) + half_thickness) / like.resolution).astype(int)
-        (c0, r0), (c1, r1) = np.maximum(low, 0), np.minimum(high, like.cells.shape[::-1])
-        if c1 <= c0 or r1 <= r0:
-            continue
-        xs, ys = np.meshgrid(np.arange(c0, c1) + 0.5, np.arange(r0, r1) + 0.5)
-        offset = np.stack((xs, ys), axis=-1) * like.resolution - local[0]
-        way = local[1] - local[0]
-        length = float(np.hypot(*way))
-        way = way / max(length, 1e-9)
-        along = offset @ way
-        across = np.abs(offset[..., 0] * way[1] - offset[..., 1] * way[0])
-        is_on[r0:r1, c0:c1] |= (across <= half_thickness) & (along >= 0.0) & (along <= length)
-    return is_on
+    def _firsts(self, rows: Iterable[int]) -> np.ndarray:
+        """Return where the neighbors of each row begin, shape (N, 9)."""
+        return np.array([self._views.near(row) for row in rows], np.int64).reshape(-1, 9)

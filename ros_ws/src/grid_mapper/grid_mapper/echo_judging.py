@@ -112,7 +112,7 @@ def _vote(scores, me, you, tolerance):  # type: ignore[no-untyped-def]
             scores[k] += you.weight * (1.0 - (error / tolerance) ** 2)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def judge(views, rows, firsts, explained, tolerance, share, cells):  # type: ignore[no-untyped-def]
     """Judge views anew, in place: their open rays, best normal and its score.
 

@@ -18,16 +18,8 @@ from grid_mapper.overlay import glass_layer, overlay
 MapSource = Callable[[], OccupancyMap]
 
 
-class Fusion(Protocol):
-    """What a method is asked for; every trusted scan and every placed reading goes to it."""
-
-    def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
-        """Take a scan at its pose."""
-        ...
-
-    def add_range(self, reading: RangeReading, T_map_sonar: SE2, stamp_ns: int) -> None:
-        """Take a sonar reading at its pose."""
-        ...
+class FusedMaps(Protocol):
+    """What a method makes of all that it was given so far."""
 
     def glass(self) -> OccupancyMap:
         """Return what was inferred to be glass: 100 there, unknown elsewhere."""
@@ -35,6 +27,27 @@ class Fusion(Protocol):
 
     def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
         """Return the map to drive by, on the lattice of the laser's."""
+        ...
+
+
+class Fusion(FusedMaps, Protocol):
+    """What a method is asked for; every trusted scan and every placed reading goes to it."""
+
+    def frozen(self, laser_map: MapSource, sonar_map: MapSource) -> FusedMaps:
+        """Return it as it stands, for another thread to make maps of.
+
+        Args:
+            laser_map: Gives the laser's map of that moment.
+            sonar_map: Gives the map of ultrasonic points of that moment.
+        """
+        ...
+
+    def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
+        """Take a scan at its pose."""
+        ...
+
+    def add_range(self, reading: RangeReading, T_map_sonar: SE2, stamp_ns: int) -> None:
+        """Take a sonar reading at its pose."""
         ...
 
     def reconfigure(self, config: GridMapperConfig) -> None:
@@ -53,6 +66,10 @@ class OverlayFusion:
     def __init__(self, laser_map: MapSource, sonar_map: MapSource) -> None:
         self._laser_map = laser_map
         self._sonar_map = sonar_map
+
+    def frozen(self, laser_map: MapSource, sonar_map: MapSource) -> FusedMaps:
+        """Return the rule over other maps."""
+        return OverlayFusion(laser_map, sonar_map)
 
     def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
         """Keep nothing: the laser's map has it."""
@@ -82,6 +99,10 @@ class NoFusion:
 
     def __init__(self, laser_map: MapSource) -> None:
         self._laser_map = laser_map
+
+    def frozen(self, laser_map: MapSource, sonar_map: MapSource) -> FusedMaps:
+        """Return the laser's map of that moment."""
+        return NoFusion(laser_map)
 
     def add_scan(self, scan: Scan, T_map_laser: SE2, stamp_ns: int) -> None:
         """Keep nothing."""

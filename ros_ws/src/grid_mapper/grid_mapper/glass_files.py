@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from floornav_common.grid import FREE, OCCUPIED, OccupancyMap
-from grid_mapper.layers import Layers
+from grid_mapper.layers_moment import Layers
 from grid_mapper.map_files import map_paths, save_map
 
 GLASS, KEEPOUT = "_glass", "_keepout"

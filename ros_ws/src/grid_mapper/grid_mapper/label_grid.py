@@ -8,6 +8,8 @@ all points so far, so that the map can be asked for again and again while scans 
 
 from __future__ import annotations
 
+from copy import copy
+
 import cv2
 import numba
 import numpy as np
@@ -61,9 +63,15 @@ class LabelGrid:
             labels, points, self.config.noise_points, self._border_cells(), self.config.hole_cells
         )
         resolution = self._grid.resolution
-        cells = np.array([UNKNOWN, FREE, OCCUPIED], np.int8)[judged]
+        cells = np.take(np.array([UNKNOWN, FREE, OCCUPIED], np.int8), judged)
         origin = SE2(float(corner[1] * resolution), float(corner[0] * resolution), 0.0)
         return OccupancyMap(cells, resolution, origin)
+
+    def frozen(self) -> LabelGrid:
+        """Return the grid as it stands, for another thread to read; see `TileGrid.frozen`."""
+        there = copy(self)
+        there._grid = self._grid.frozen()
+        return there
 
     def _half_angle(self, beams: Beams) -> float:
         """Return alpha_L / 2."""

@@ -8,17 +8,18 @@ each other in space, each sonar by itself, so that its points depend on no senso
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from floornav_common.grid import UNKNOWN, OccupancyMap
+from floornav_common.grid import OccupancyMap
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.fusion import Fusion, make_fusion
+from grid_mapper.fusion import Fusion, MapSource, make_fusion
+from grid_mapper.layers_moment import Layers, LayersMoment
 from grid_mapper.localizer import ScanResult
 from grid_mapper.mapper import GridMapper
 from grid_mapper.pose_history import PoseHistory
@@ -29,23 +30,6 @@ from grid_mapper.waiting_readings import WaitingReadings
 
 MAX_AHEAD_NS = 5_000_000_000
 """A reading stamped further after the newest trusted scan is of a clock that runs ahead."""
-
-
-@dataclass(frozen=True)
-class Layers:
-    """All maps of one moment.
-
-    Attributes:
-        occupancy: The map to drive by.
-        laser: What the laser alone says; no cells without a laser.
-        sonar: What the sonars alone say; no cells without a sonar.
-        glass: Glass inferred: occupied there, unknown elsewhere.
-    """
-
-    occupancy: OccupancyMap
-    laser: OccupancyMap
-    sonar: OccupancyMap
-    glass: OccupancyMap
 
 
 @dataclass
@@ -64,6 +48,12 @@ class SonarCounts:
     void: int = 0
     counted: int = 0
     unplaced: int = 0
+
+
+class _Grid(Protocol):
+    def frozen(self) -> _Grid: ...
+
+    def occupancy(self) -> OccupancyMap: ...
 
 
 class LayeredMapper:
@@ -91,7 +81,7 @@ class LayeredMapper:
         self.laser.reconfigure(config)
         self._sonar.config = config.sonar
         self._fusion.reconfigure(config)
-        self._maps.clear()
+        self._forget_maps()
 
     def insert_scan(
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
@@ -165,22 +155,25 @@ class LayeredMapper:
         self.sonar_counts.unplaced += self._waiting.clear()
         self._history.clear()
 
+    def moment(self) -> LayersMoment:
+        """Return what makes all maps as they stand; quick, however large the floor is."""
+        return LayersMoment(self._laser_source(), self._sonar_source(), self._fusion)
+
     def layers(self) -> Layers:
         """Return all maps as they stand."""
-        laser, sonar = self.laser_map(), self.sonar_map()
-        return Layers(self._joined(laser, sonar), laser, sonar, self.glass_map())
+        return self.moment().layers()
 
     def occupancy(self) -> OccupancyMap:
         """Return the map to drive by; a robot without laser drives by the sonars' map."""
-        return self._joined(self.laser_map(), self.sonar_map())
+        return self.moment().occupancy()
 
     def laser_map(self) -> OccupancyMap:
         """Return what the laser alone says."""
-        return self._made("laser", self.laser.num_key_scans, self.laser.occupancy)
+        return self._laser_source()()
 
     def sonar_map(self) -> OccupancyMap:
         """Return what the sonars alone say, by the published rule."""
-        return self._made("sonar", self.sonar_counts.counted, self._sonar.occupancy)
+        return self._sonar_source()()
 
     def sonar_points(self) -> tuple[np.ndarray, SE2]:
         """Return the points of the ultrasonic map; see `SonarGrid.points`."""
@@ -208,17 +201,29 @@ class LayeredMapper:
         self._history = PoseHistory()
         self._waiting = WaitingReadings()
         self._num_heard = 0
+        self._forget_maps()
+
+    def _forget_maps(self) -> None:
+        """Make all maps anew; another thread may go on filling what was held so far."""
         self._maps: dict[str, tuple[int, OccupancyMap]] = {}
 
-    def _made(self, name: str, version: int, make: Callable[[], OccupancyMap]) -> OccupancyMap:
-        """Return a map of this version, made once."""
-        if self._maps.get(name, (-1,))[0] != version:
-            self._maps[name] = (version, make())
-        return self._maps[name][1]
+    def _laser_source(self) -> MapSource:
+        return self._source("laser", self.laser.num_key_scans, self.laser.grid)
 
-    def _joined(self, laser: OccupancyMap, sonar: OccupancyMap) -> OccupancyMap:
-        has_laser = laser.cells.size > 0 and bool((laser.cells != UNKNOWN).any())
-        return self._fusion.occupancy(laser) if has_laser else sonar
+    def _sonar_source(self) -> MapSource:
+        return self._source("sonar", self.sonar_counts.counted, self._sonar)
+
+    def _source(self, name: str, version: int, grid: _Grid) -> MapSource:
+        """Return what gives a map of this version, made once, when it is first asked for."""
+        maps, frozen = self._maps, grid.frozen()
+
+        def source() -> OccupancyMap:
+            held = maps.get(name)
+            if held is None or held[0] != version:
+                held = maps[name] = (version, frozen.occupancy())
+            return held[1]
+
+        return source
 
     def _place_waiting(self) -> None:
         """Place the readings that the newest trusted scan has caught up with."""

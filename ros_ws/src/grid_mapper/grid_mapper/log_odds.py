@@ -5,6 +5,8 @@ Each beam is a ray: cells it crosses become freer, the cell it ends in more occu
 
 from __future__ import annotations
 
+from copy import copy
+
 import numba
 import numpy as np
 
@@ -48,6 +50,12 @@ class LogOddsGrid:
         resolution = self._grid.resolution
         origin = SE2(float(corner[1] * resolution), float(corner[0] * resolution), 0.0)
         return OccupancyMap(percent, resolution, origin)
+
+    def frozen(self) -> LogOddsGrid:
+        """Return the grid as it stands, for another thread to read; see `TileGrid.frozen`."""
+        there = copy(self)
+        there._grid = self._grid.frozen()
+        return there
 
     @property
     def num_bytes(self) -> int:

@@ -7,6 +7,7 @@ is known that there is one.
 
 from __future__ import annotations
 
+from copy import copy
 from typing import NamedTuple
 
 import numba
@@ -68,6 +69,12 @@ class OpaqueCells:
         count_hits(
             origin, beams.angles[hit], ranges[hit], grid.fields["hits"], grid.table, grid.corner
         )
+
+    def frozen(self) -> OpaqueCells:
+        """Return the cells as they stand, for another thread to read; see `TileGrid.frozen`."""
+        there = copy(self)
+        there._grid = self._grid.frozen()
+        return there
 
     @property
     def cells(self) -> Cells:

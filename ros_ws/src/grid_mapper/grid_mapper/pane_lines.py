@@ -107,7 +107,7 @@ def lies_on(view, theta, c, s, rho, tolerance, share):  # type: ignore[no-untype
     return 2 if (view.open >> min(max(k, 0), NUM_RAYS - 1)) & 1 else int(view.open == 0)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def grow(views, is_taken, seed, tolerance, share, gaps):  # type: ignore[no-untyped-def]
     """Return normal, distance and echoes of the line grown from the best normal of one echo."""
     me = views[seed]
@@ -178,7 +178,7 @@ def fit_line(views, rows, theta, rho, middle):  # type: ignore[no-untyped-def]
     return theta, np.cos(theta) * x + np.sin(theta) * y
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def take_explained(  # type: ignore[no-untyped-def]
     views, is_taken, theta, rho, low, high, tolerance, share, critical
 ):

@@ -117,7 +117,7 @@ def _spot(along, first, step, num):  # type: ignore[no-untyped-def]
     return min(max(low, 0), num), min(max(high, 0), num)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def heard(  # type: ignore[no-untyped-def]
     views, order, axis, num, tolerance, share, enough
 ):
@@ -155,7 +155,7 @@ def heard(  # type: ignore[no-untyped-def]
     return echoes, weak, newest, since, is_on
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def missing(  # type: ignore[no-untyped-def]
     views, order, axis, newest, since, is_on, sure, trusted
 ):
@@ -235,7 +235,7 @@ def _faced(view, theta, along, d, sure):  # type: ignore[no-untyped-def]
     return along + d * np.tan(high), along + d * np.tan(low)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, nogil=True)
 def seen(cells, theta, rho, first, num):  # type: ignore[no-untyped-def]
     """Return where the laser sees something opaque on the line or beside, and most hits there."""
     c, s, step = np.cos(theta), np.sin(theta), cells.resolution

@@ -10,6 +10,8 @@ behind it swept over it, so that a robot without laser has a map to drive in.
 
 from __future__ import annotations
 
+from copy import copy
+
 import numba
 import numpy as np
 
@@ -57,6 +59,12 @@ class SonarGrid:
         cells = np.where(is_swept, np.int8(FREE), np.int8(UNKNOWN))
         cells[points >= np.float32(self.config.min_points)] = OCCUPIED
         return OccupancyMap(cells, self._grid.resolution, self._origin(corner))
+
+    def frozen(self) -> SonarGrid:
+        """Return the grid as it stands, for another thread to read; see `TileGrid.frozen`."""
+        there = copy(self)
+        there._grid = self._grid.frozen()
+        return there
 
     def points(self) -> tuple[np.ndarray, SE2]:
         """Return the points of all cells, shape (H, W), 1/m^2, and the corner of cell (0, 0)."""

@@ -7,6 +7,8 @@ table says which tile of the plane is which slot of the pool.
 
 from __future__ import annotations
 
+from copy import copy
+
 import numba
 import numpy as np
 
@@ -85,6 +87,16 @@ class TileGrid:
         for slot, (row, col) in enumerate(corners - first):
             values[row : row + TILE_CELLS, col : col + TILE_CELLS] = pool[slot]
         return values, first
+
+    def frozen(self) -> TileGrid:
+        """Return the plane as far as it reaches now, for another thread to read.
+
+        Tiles made later are not in it. Cells are shared, not copied: one may be newer than this
+        call, never half written.
+        """
+        there = copy(self)
+        there.table, there.fields = self.table.copy(), dict(self.fields)
+        return there
 
     @property
     def num_bytes(self) -> int:

@@ -58,6 +58,11 @@ class GridMapperNode(FloornavNode):
         self.diagnostics.add("mapping", self._poses.status)
         self.ready(lambda: compile_kernels(self._mapper.config.fusion))
 
+    def destroy_node(self) -> None:
+        """Let no map be made while publishers go."""
+        self._maps.close()
+        super().destroy_node()
+
     def _set_config(self, config: GridMapperNodeConfig) -> None:
         self._config = config
         self._poses.configure(config)
@@ -66,6 +71,8 @@ class GridMapperNode(FloornavNode):
         self._mapper.reconfigure(config)
 
     def _publish_map(self) -> None:
+        if self._maps.is_busy():
+            return
         has_changed = self._mapper.num_changes != self._num_published
         if not self._maps.has_news and (not has_changed or self._poses.newest_ns is None):
             return
@@ -73,7 +80,7 @@ class GridMapperNode(FloornavNode):
         stamp_ns = self._poses.newest_ns
         now = self.get_clock().now().to_msg()
         stamp = now if stamp_ns is None else messages.ns_to_stamp(stamp_ns)
-        self._maps.publish(self._mapper.layers(), stamp)
+        self._maps.publish(self._mapper.moment(), stamp)
         self._poses.publish_path(stamp)
 
     def _on_save_map(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
