@@ -16,19 +16,19 @@ TOL_M = 1e-9
 
 
 def test_the_ends_of_a_goal_are_its_posts_seen_from_in_front() -> None:
-    right, left = Landmark(BOX).ends_seen(np.array([0.0, 0.0]))
-    assert tuple(right) == (4.0, -1.0) and tuple(left) == (4.0, 1.0)
+    right, left = Landmark(BOX).ends_seen(np.array([[0.0, 0.0]]))
+    assert tuple(right[0]) == (4.0, -1.0) and tuple(left[0]) == (4.0, 1.0)
 
 
 def test_seen_from_the_side_the_far_corner_is_an_end() -> None:
-    right, left = Landmark(BOX).ends_seen(np.array([3.0, 4.0]))
-    assert tuple(left) == (5.0, 1.0) and tuple(right) == (4.0, -1.0)
+    right, left = Landmark(BOX).ends_seen(np.array([[3.0, 4.0]]))
+    assert tuple(left[0]) == (5.0, 1.0) and tuple(right[0]) == (4.0, -1.0)
 
 
 def test_the_middle_lies_between_both_ends_in_angle() -> None:
     mark = Landmark(BOX)
     place = np.array([1.0, 3.0])
-    right, left = (np.arctan2(*(p - place)[::-1]) for p in mark.ends_seen(place))
+    right, left = (np.arctan2(*(p[0] - place)[::-1]) for p in mark.ends_seen(place[None]))
     middle = np.arctan2(*(mark.point_seen(place) - place)[::-1])
     assert middle == pytest.approx(0.5 * (right + left), abs=TOL_M)
 

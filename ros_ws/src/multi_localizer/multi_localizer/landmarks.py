@@ -13,9 +13,9 @@ seen. Several of one class cannot be told apart by sight.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +51,7 @@ class Landmark:
         if len(self.corners) == 1 and self.seen != "middle":
             raise ValueError("a landmark of one point has no ends: seen must be middle")
 
-    @property
+    @cached_property
     def position(self) -> np.ndarray:
         """Middle of the outline's box, (2,), m."""
         corners = np.array(self.corners)
@@ -61,22 +61,28 @@ class Landmark:
         """Return the point, (2,), that a bearing from `place` (2,) is taken of."""
         if len(self.corners) == 1:
             return self.position
-        right, left = self.ends_seen(place)
+        return np.asarray(self.points_seen(place[None])[0])
+
+    def points_seen(self, places: np.ndarray) -> np.ndarray:
+        """Return the points, (N, 2), that bearings from places (N, 2) are taken of."""
+        if len(self.corners) == 1:
+            return np.broadcast_to(self.position, places.shape)
+        right, left = self.ends_seen(places)
         if self.seen != "middle":
             return left if self.seen == "left" else right
-        a, b = left - place, right - place
+        a, b = left - places, right - places
         # Both at the same distance lie symmetrically to the bearing between them.
-        share = math.hypot(*b) / max(math.hypot(*a) + math.hypot(*b), 1e-12)
-        return np.asarray(place + share * a + (1.0 - share) * b)
+        d_a, d_b = np.hypot(*a.T), np.hypot(*b.T)
+        share = (d_b / np.maximum(d_a + d_b, 1e-12))[:, None]
+        return np.asarray(places + share * a + (1.0 - share) * b)
 
-    def ends_seen(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the corners seen farthest right and left from a place outside, (2,) each."""
+    def ends_seen(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the corners seen farthest right and left from places outside, (N, 2) each."""
         corners = np.array(self.corners)
-        rays, middle = corners - place, self.position - place
-        turn = np.arctan2(
-            middle[0] * rays[:, 1] - middle[1] * rays[:, 0], rays @ middle
-        )  # of each corner from the middle
-        return corners[int(turn.argmin())], corners[int(turn.argmax())]
+        rays, middles = corners - places[:, None], (self.position - places)[:, None]
+        cross = middles[..., 0] * rays[..., 1] - middles[..., 1] * rays[..., 0]
+        turns = np.arctan2(cross, (rays * middles).sum(axis=-1))  # of corners from the middle
+        return corners[turns.argmin(axis=1)], corners[turns.argmax(axis=1)]
 
 
 def positions(landmarks: Landmarks) -> dict[str, np.ndarray]:

@@ -1,0 +1,67 @@
+"""Every value of localization by landmarks; a default stands here and nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from floornav_common.config import param, validate
+
+
+@dataclass(frozen=True, kw_only=True)
+class LandmarkConfig:
+    """Pose from bearings of landmarks, and distances where the floor shows them."""
+
+    bearing_sd_rad: float = param(0.01, "Deviation of a bearing.", unit="rad", gt=0.0, le=0.5)
+    floor_sd_px: float = param(
+        0.7, "Deviation of the floor's end along a ray, in pixels of the mask.", unit="px", gt=0.0
+    )
+    gate_sd: float = param(
+        4.0, "A landmark farther off than so many deviations is left out.", gt=1.0
+    )
+    max_position_sd_m: float = param(
+        0.5, "No pose is given if its position is known less well.", unit="m", gt=0.0
+    )
+    max_yaw_sd_rad: float = param(
+        0.2, "No pose is given if its yaw is known less well.", unit="rad", gt=0.0
+    )
+    ambiguity_sd: float = param(
+        3.0,
+        "Two poses are told apart if the squared deviations of the better are less by the square "
+        "of this.",
+        ge=0.0,
+    )  # fmt: skip
+    max_tries: int = param(
+        3000, "Most combinations of bearings and landmarks that are tried.", ge=1, le=100_000
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LandmarkNodeConfig:
+    """The node `landmark_localizer`."""
+
+    landmarks: str = param(
+        "middle_size_field", "YAML of the landmarks, or the name of one of the package.",
+        read_only=True,
+    )  # fmt: skip
+    method: str = param(
+        "bearings",
+        "`bearings` alone (method 1), or `floor`: distances where the floor's mask ends too "
+        "(method 2).",
+        choices=("bearings", "floor"), read_only=True,
+    )  # fmt: skip
+    camera_model: str = param(
+        "soccer_middle_size",
+        "YAML of the camera, or the name of one brought along; only `method: floor` needs it.",
+        read_only=True,
+    )  # fmt: skip
+    wait_s: float = param(
+        0.15, "How long what is seen at one moment waits for the rest of it.", unit="s", gt=0.0
+    )
+    input_timeout_s: float = param(1.0, "Silence of the bearings allowed.", unit="s", gt=0.0)
+    publish_tf: bool = param(False, "Send map->odom, unless somebody else does.", read_only=True)
+
+    def __post_init__(self) -> None:
+        validate(self)

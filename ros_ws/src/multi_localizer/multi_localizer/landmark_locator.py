@@ -1,0 +1,240 @@
+"""From what is seen of landmarks to a pose: who is who, what is false, and whether it is sure."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from floornav_common.se2 import SE2
+from multi_localizer.landmark_config import LandmarkConfig
+from multi_localizer.landmark_fit import (
+    PoseFit,
+    Sighting,
+    estimate_of,
+    fit_pose,
+    is_curved,
+    open_geometry,
+    residuals,
+)
+from multi_localizer.landmark_starts import choices, poses_of, rough_costs
+from multi_localizer.landmarks import Landmark, Landmarks
+from multi_localizer.pose_estimate import PoseEstimate, mahalanobis
+
+_NEED = 3  # numbers for three unknowns
+_KEPT = 6  # best tries that are fitted to the end
+_SAME_START_M = 0.1
+_SAME_CHI2 = 9.0
+_CLEARLY_OTHER_M = 0.3
+Assignment = tuple[Landmark | None, ...]
+
+
+@dataclass(frozen=True)
+class LandmarkFix:
+    """Where the sensor is, by landmarks.
+
+    Attributes:
+        estimate: Its pose; None if there is none to be had.
+        problem: Why there is none; "" if there is.
+        num_used: Sightings that made it.
+        num_left_out: Sightings that fit no landmark.
+        note: What was left out before, in words.
+    """
+
+    estimate: PoseEstimate | None
+    problem: str = ""
+    num_used: int = 0
+    num_left_out: int = 0
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class _Try:
+    fit: PoseFit
+    marks: Assignment
+    cost: float
+
+
+class LandmarkLocator:
+    """Finds poses among known landmarks.
+
+    Args:
+        landmarks: By class.
+        config: Deviations and gates.
+    """
+
+    def __init__(self, landmarks: Landmarks, config: LandmarkConfig) -> None:
+        self._landmarks, self._config = landmarks, config
+        corners = [c for marks in landmarks.values() for m in marks for c in m.corners]
+        self._middle = np.array(corners).mean(axis=0)
+
+    def locate(self, sightings: Sequence[Sighting]) -> LandmarkFix:
+        """Return the one pose that explains what was seen, or why there is none."""
+        usable, note = self._usable(sightings)
+        if sum(s.num_values for s in usable) < _NEED:
+            return LandmarkFix(None, _too_few(usable), note=note)
+        tries = self._tries(usable)
+        if not tries:
+            return LandmarkFix(None, self._no_start(usable), note=note)
+        best = tries[0]
+        used = [(s, m) for s, m in zip(usable, best.marks, strict=True) if m is not None]
+        num_out = len(usable) - len(used)
+        problem, estimate = self._judge(best, used, tries)
+        if problem:
+            return LandmarkFix(None, problem, 0, num_out, note)
+        return LandmarkFix(estimate, "", len(used), num_out, note)
+
+    def _usable(self, sightings: Sequence[Sighting]) -> tuple[list[Sighting], str]:
+        finite = [s for s in sightings if math.isfinite(s.bearing)]
+        known = [s for s in finite if s.kind in self._landmarks]
+        notes = []
+        if len(finite) < len(sightings):
+            notes.append(f"{len(sightings) - len(finite)} bearings are not numbers")
+        if len(known) < len(finite):
+            notes.append(f"{len(finite) - len(known)} bearings of no known class")
+        return known, "; ".join(notes)
+
+    def _judge(
+        self, best: _Try, used: list[tuple[Sighting, Landmark]], tries: list[_Try]
+    ) -> tuple[str, PoseEstimate | None]:
+        seen, marks = [s for s, _ in used], [m for _, m in used]
+        if sum(s.num_values for s in seen) < _NEED or len(used) < len(best.marks) / 2.0:
+            return "the bearings contradict each other: no place fits most of them", None
+        estimate = estimate_of(best.fit)
+        if estimate is None:
+            return open_geometry(best.fit.pose, marks), None
+        sd_m = math.sqrt(np.linalg.eigvalsh(estimate.cov[:2, :2])[1])
+        sd_yaw = math.sqrt(estimate.cov[2, 2])
+        if sd_m > self._config.max_position_sd_m or sd_yaw > self._config.max_yaw_sd_rad:
+            why = open_geometry(best.fit.pose, marks)
+            return f"{why}: known to {sd_m:.2f} m and {sd_yaw:.2f} rad only", None
+        if is_curved(estimate, best.fit.chi2, seen, marks):
+            return f"{open_geometry(best.fit.pose, marks)}: not known well enough", None
+        margin = self._config.ambiguity_sd**2
+        rivals = [t for t in tries[1:] if t.cost - best.cost < margin and _is_other(t, best)]
+        if rivals:
+            x, y = rivals[0].fit.pose.x, rivals[0].fit.pose.y
+            return (
+                f"ambiguous: ({best.fit.pose.x:.2f}, {best.fit.pose.y:.2f}) and "
+                f"({x:.2f}, {y:.2f}) m fit alike"
+            ), None
+        return "", estimate
+
+    def _tries(self, seen: list[Sighting]) -> list[_Try]:
+        """Return fitted explanations, the best first."""
+        starts = list(self._starts(seen))
+        tries: list[_Try] = []
+        for pose in self._promising(starts, seen):
+            found = self._settle(pose, seen)
+            if found is not None and all(_is_other(found, t) for t in tries):
+                tries.append(found)
+        return sorted(tries, key=lambda t: t.cost)
+
+    def _settle(self, pose: SE2, seen: list[Sighting]) -> _Try | None:
+        """Fit and assign in turn until nothing changes."""
+        marks, _ = self._assign(pose, seen, wide=4.0)
+        for _ in range(4):
+            used = [(s, m) for s, m in zip(seen, marks, strict=True) if m is not None]
+            if sum(s.num_values for s, _ in used) < _NEED:
+                return None
+            fit = fit_pose(pose, [s for s, _ in used], [m for _, m in used])
+            if fit is None:
+                return None
+            pose = fit.pose
+            new, cost = self._assign(pose, seen)
+            if new == marks:
+                return _Try(fit, marks, cost)
+            marks = new
+        return None
+
+    def _assign(
+        self, pose: SE2, seen: Sequence[Sighting], wide: float = 1.0
+    ) -> tuple[Assignment, float]:
+        """Return the nearest landmark of each sighting, each taken once, and what it costs."""
+        limit = (wide * self._config.gate_sd) ** 2
+        pairs = []
+        for k, s in enumerate(seen):
+            for n, mark in enumerate(self._landmarks[s.kind]):
+                r, _ = residuals(pose, [s], [mark])
+                off = float(r @ r)
+                if off < limit * s.num_values:
+                    pairs.append((off, k, n))
+        marks: list[Landmark | None] = [None] * len(seen)
+        taken: set[tuple[str, int]] = set()
+        cost = limit * sum(s.num_values for s in seen)
+        for off, k, n in sorted(pairs):
+            if marks[k] is None and (seen[k].kind, n) not in taken:
+                marks[k] = self._landmarks[seen[k].kind][n]
+                taken.add((seen[k].kind, n))
+                cost += off - limit * seen[k].num_values
+        return tuple(marks), cost
+
+    def _promising(self, starts: list[SE2], seen: list[Sighting]) -> list[SE2]:
+        """Return the starts that all sightings like best, not two of nearly the same place."""
+        if not starts:
+            return []
+        costs = rough_costs(starts, seen, self._landmarks, (2.0 * self._config.gate_sd) ** 2)
+        kept: list[SE2] = []
+        for k in np.argsort(costs, kind="stable"):
+            pose = starts[k]
+            if all(math.hypot(pose.x - p.x, pose.y - p.y) > _SAME_START_M for p in kept):
+                kept.append(pose)
+            if len(kept) == _KEPT:
+                break
+        return kept
+
+    def _starts(self, seen: list[Sighting]) -> Iterator[SE2]:
+        """Yield poses that few sightings give."""
+        num = 0
+        for chosen in choices(seen):
+            few = [seen[k] for k in chosen]
+            for marks in self._combinations(few):
+                num += 1
+                if num > self._config.max_tries:
+                    return
+                points = np.array([mark.point_seen(self._middle) for mark in marks])
+                yield from poses_of(few, points)
+
+    def _combinations(self, seen: list[Sighting]) -> Iterator[tuple[Landmark, ...]]:
+        for marks in itertools.product(*(self._landmarks[s.kind] for s in seen)):
+            if len({id(m) for m in marks}) == len(marks):
+                yield marks
+
+    def _no_start(self, seen: list[Sighting]) -> str:
+        """Return why no pose came out at all."""
+        places = {tuple(m.position) for s in seen for m in self._landmarks[s.kind]}
+        bearings = np.array([s.bearing for s in seen])
+        if np.abs(np.sin(bearings[:, None] - bearings)).max() < 1e-3:
+            return "robot and landmarks lie on one line"
+        if len(places) < _NEED:
+            return f"{len(places)} landmarks leave a circle open, not a pose"
+        return "the bearings contradict each other: no place fits most of them"
+
+
+def sightings_of(bearings: Mapping[str, np.ndarray], config: LandmarkConfig) -> list[Sighting]:
+    """Return bearings by class, (K,) each, rad, as sightings without distances."""
+    return [
+        Sighting(kind, float(bearing), config.bearing_sd_rad)
+        for kind, values in bearings.items()
+        for bearing in values
+    ]
+
+
+def _is_other(a: _Try, b: _Try) -> bool:
+    """Return whether two explanations are of different poses."""
+    first, second = estimate_of(a.fit), estimate_of(b.fit)
+    apart = math.hypot(a.fit.pose.x - b.fit.pose.x, a.fit.pose.y - b.fit.pose.y)
+    if first is None or second is None:
+        return apart > _CLEARLY_OTHER_M
+    return mahalanobis(first, second) > _SAME_CHI2
+
+
+def _too_few(seen: Sequence[Sighting]) -> str:
+    if not seen:
+        return "no landmark is seen"
+    if len(seen) == 1:
+        return "one landmark is seen: not enough for a pose"
+    return "two landmarks leave a circle open, not a pose"
