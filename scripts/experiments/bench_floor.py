@@ -24,7 +24,7 @@ import numpy as np
 
 from experiments.floor_scenes import scenes
 from experiments.timing import Case, median_and_p99, take_turns
-from floor_perception.color_model import color_table
+from floor_perception.color_table import color_table
 from floor_perception.config import ColorConfig, FloorDetectorConfig, TemplateConfig
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.free_space import floor_areas, ratios_and_ranges

@@ -21,7 +21,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from floor_perception.color_model import FloorColor, classify, color_table, learn
+from floor_perception.color_model import FloorColor, learn
+from floor_perception.color_table import classify, color_table
 from floor_perception.config import ColorConfig, TemplateConfig
 from floor_perception.free_space import floor_areas, ratios_and_ranges
 from floor_perception.polar_template import PolarTemplate, row_spans

@@ -13,6 +13,12 @@ GREEN, GRAY, WHITE, BROWN = (26, 115, 41), (150, 150, 150), (240, 240, 235), (15
 Region = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
+def pixels(color: tuple[int, int, int], num: int, seed: int = 0) -> np.ndarray:
+    """Return noisy pixels of a color, (num, 3), uint8."""
+    noise = np.random.default_rng(seed).normal(0.0, 3.0, (num, 3))
+    return np.clip(np.rint(np.array(color) + noise), 0, 255).astype(np.uint8)
+
+
 def upright_camera(size: tuple[int, int] = (256, 220)) -> FloorCamera:
     """Return the paper's camera at an image size."""
     camera = paper_camera()

@@ -1,4 +1,4 @@
-"""The floor's color: learned by majority, looked up, followed, kept in files."""
+"""The floor's color: learned by majority, followed, kept in files."""
 
 from __future__ import annotations
 
@@ -8,28 +8,22 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from painted_floors import BROWN, GRAY, GREEN, WHITE
+from painted_floors import BROWN, GRAY, GREEN, WHITE, pixels
 
 from floor_perception.color_files import load_color, save_color
 from floor_perception.color_model import (
     FloorColor,
     chromaticity,
-    classify,
-    color_table,
     differs,
     followed,
     has_color,
     learn,
     response_part,
 )
+from floor_perception.color_table import color_table
 from floor_perception.config import ColorConfig
 
 CONFIG = ColorConfig()
-
-
-def pixels(color: tuple[int, int, int], num: int, seed: int = 0) -> np.ndarray:
-    noise = np.random.default_rng(seed).normal(0.0, 3.0, (num, 3))
-    return np.clip(np.rint(np.array(color) + noise), 0, 255).astype(np.uint8)
 
 
 def test_a_shadow_leaves_chromaticity_as_it_is() -> None:
@@ -61,26 +55,6 @@ def test_other_colors_are_not_the_floors(other: tuple[int, int, int]) -> None:
     assert has_color(color, pixels(GREEN, 500, 5), CONFIG).mean() > 0.99
     assert has_color(color, pixels(tuple(v // 2 for v in GREEN), 500, 5), CONFIG).mean() > 0.95
     assert not has_color(color, pixels(other, 500, 6), CONFIG).any()
-
-
-def test_the_table_says_what_the_formula_says_in_both_orders() -> None:
-    color = learn(pixels(GREEN, 500), CONFIG)
-    edges = np.arange(2, 256, 4)  # the middles of the table's steps
-    cube = np.stack(np.meshgrid(edges, edges, edges, indexing="ij"), -1).reshape(-1, 3)
-    expected = has_color(color, cube, CONFIG)
-    rgb, bgr = (color_table(color, CONFIG, order) for order in ("rgb", "bgr"))
-    assert ((rgb > 0) == expected).all() and expected.any()
-    assert (bgr.reshape(64, 64, 64) == rgb.reshape(64, 64, 64).transpose(2, 1, 0)).all()
-
-
-def test_only_the_spans_are_looked_up() -> None:
-    color = learn(pixels(GREEN, 500), CONFIG)
-    image = np.full((2, 6, 3), GREEN, dtype=np.uint8)
-    always = np.zeros((2, 6), dtype=np.uint8)
-    mask = np.full((2, 6), 7, dtype=np.uint8)
-    spans = np.array([[1, 4], [0, 0]], dtype=np.int32)
-    classify(image, color_table(color, CONFIG), spans, always, mask)
-    assert mask.tolist() == [[7, 255, 255, 255, 7, 7], [7] * 6]
 
 
 @settings(max_examples=30, deadline=None)

@@ -102,6 +102,24 @@ def test_images_of_another_size_give_the_same_bearings() -> None:
     assert small.bearing == pytest.approx(large.bearing, abs=0.005)
 
 
+@pytest.mark.parametrize("bearing", [0.3, 2.0, -3.0])
+def test_the_ends_of_a_wide_marker_are_known_to_half_a_pixel(bearing: float) -> None:
+    """A sector 20 degrees wide, from 120 to 200 px, and a speck of its color apart from it."""
+    half = math.radians(10.0)
+    rays = CAMERA.floor_rays(np.stack(np.meshgrid(np.arange(640.0), np.arange(480.0)), axis=-1))
+    off = np.abs(np.remainder(np.arctan2(rays[..., 1], rays[..., 0]) - bearing + np.pi, 2 * np.pi))
+    u, v = np.meshgrid(np.arange(640.0), np.arange(480.0))
+    R = np.hypot(u - CAMERA.center_px[0], v - CAMERA.center_px[1])
+    image = np.zeros((480, 640, 3), dtype=np.uint8)
+    image[(np.abs(off - np.pi) < half) & (R > 120.0) & (R < 200.0)] = YELLOW
+    image[240, 400] = YELLOW
+    classes = {"goal_yellow": replace(CLASSES["goal_yellow"], has_ends=True)}
+    (marker,) = MarkerDetector(CAMERA, classes).detect(image, "rgb")["goal_yellow"]
+    assert marker.ends is not None
+    for end, true in zip(marker.ends, (bearing - half, bearing + half), strict=True):
+        assert abs(math.remainder(end - true, 2.0 * math.pi)) * 120.0 < 0.6
+
+
 def test_a_color_of_two_classes_goes_to_the_nearer() -> None:
     classes = {
         "wide": MarkerClass(color=(0.9, 0.1, 0.75), radius=0.6),

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from floor_perception.color_model import FloorColor, color_table, differs
+from floor_perception.color_model import FloorColor, differs
+from floor_perception.color_table import color_table
 from floor_perception.color_tracker import ColorTracker
 from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_mask import FloorMasker, closing_px

@@ -14,7 +14,7 @@ import math
 import cv2
 import numpy as np
 
-from floor_perception.color_model import classify
+from floor_perception.color_table import classify
 
 
 def closing_px(mark_m: float, px_per_m: float) -> int:

@@ -18,8 +18,10 @@ import numba
 import numpy as np
 import yaml
 
-from floor_perception.color_model import TABLE_EDGE, chromaticity
+from floor_perception.color_model import chromaticity
+from floor_perception.color_table import TABLE_EDGE
 from floor_perception.image_size import camera_at_size, shape_doubt
+from floor_perception.marker_ends import bearings_of_ends
 from floornav_common.config import param, validate
 from floornav_common.config_files import coerce, refuse_unknown
 from floornav_common.floor_camera import FloorCamera
@@ -40,6 +42,9 @@ class MarkerClass:
     radius: float = param(0.08, "Distance of chromaticities (r, g) that still count.", gt=0.0)
     min_brightness: float = param(90.0, "Darker pixels do not count.", ge=0.0, le=765.0)
     min_area_px: int = param(6, "Smallest blob.", unit="px", ge=1)
+    has_ends: bool = param(
+        False, "Give the bearings of both ends too, as of a goal's posts, on `_left` and `_right`."
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -55,11 +60,13 @@ class Marker:
         bearing: Of its middle in `omni_camera_floor`, rad.
         pixel: Its middle (u, v), to a part of a pixel.
         area_px: Its pixels.
+        ends: Bearings of its right and left end, rad; None where its class has none.
     """
 
     bearing: float
     pixel: tuple[float, float]
     area_px: int
+    ends: tuple[float, float] | None = None
 
 
 def load_marker_classes(path: Path) -> dict[str, MarkerClass]:
@@ -159,14 +166,25 @@ class MarkerDetector:
 
     def _blobs(self, number: int, kind: MarkerClass) -> list[Marker]:
         own = cv2.compare(self._labels, number, cv2.CMP_EQ)
-        _, _, stats, middles = cv2.connectedComponentsWithStats(own, connectivity=8)
-        areas = stats[1:, cv2.CC_STAT_AREA]
+        _, blobs, stats, middles = cv2.connectedComponentsWithStats(own, connectivity=8)
         found = [
-            Marker(self._bearing(middle), (float(middle[0]), float(middle[1])), int(area))
-            for area, middle in zip(areas, middles[1:], strict=True)
-            if area >= kind.min_area_px
+            self._marker(k, blobs, stats[k], middles[k], kind)
+            for k in range(1, len(stats))
+            if stats[k, cv2.CC_STAT_AREA] >= kind.min_area_px
         ]
         return sorted(found, key=lambda marker: -marker.area_px)
+
+    def _marker(
+        self, k: int, blobs: np.ndarray, stats: np.ndarray, middle: np.ndarray, kind: MarkerClass
+    ) -> Marker:
+        bearing, ends = self._bearing(middle), None
+        if kind.has_ends:
+            u0, v0, width, height, _ = stats
+            v, u = np.nonzero(blobs[v0 : v0 + height, u0 : u0 + width] == k)
+            pixels = np.stack((u + u0, v + v0), axis=-1).astype(float)
+            ends = bearings_of_ends(pixels, bearing, self._camera)
+        area = int(stats[cv2.CC_STAT_AREA])
+        return Marker(bearing, (float(middle[0]), float(middle[1])), area, ends)
 
     def _bearing(self, pixel: np.ndarray) -> float:
         x, y, _ = self._camera.floor_rays(pixel)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from floor_perception.color_model import FloorColor, color_table
+from floor_perception.color_model import FloorColor
+from floor_perception.color_table import color_table
 from floor_perception.config import ColorConfig
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.free_space import floor_areas, ratios_and_ranges

@@ -3,7 +3,7 @@
 In: `omni/image_raw` (Image, or `omni/image_raw/compressed`).
 Out: `bearings/<class>` (PoseArray in `floor_frame`, for each class of the file `colors`): one pose
 a marker seen, its yaw the bearing, largest first; an empty array: nothing seen; no message: no
-camera.
+camera. Classes with `has_ends` also on `bearings/<class>_left` and `_right`, in the same order.
 """
 
 from __future__ import annotations
@@ -38,9 +38,12 @@ class MarkerDetectorNode(FloornavNode):
         markers = declare_config(self, MarkerNodeConfig)
         self._frame = (self.frames.frame_prefix + config.floor_frame).lstrip("/")
         classes = self._load(config, markers)
+        names = [
+            n for c, kind in classes.items() for n in ((c, *_ends(c)) if kind.has_ends else (c,))
+        ]
         self._pubs = {
             name: create_publisher(self, PoseArray, f"bearings/{name}", RELIABLE_QOS)
-            for name in classes
+            for name in names
         }
         self._seen: dict[str, int] = dict.fromkeys(classes, 0)
         self._ms = 0.0
@@ -74,9 +77,16 @@ class MarkerDetectorNode(FloornavNode):
         self._input.set_doubt(self._detector.size_doubt)
         self._ms = 1e3 * (time.perf_counter() - started)
         for name, markers in found.items():
-            poses = [SE2(0.0, 0.0, marker.bearing) for marker in markers]
-            self._pubs[name].publish(poses_to_msg(poses, header.stamp, self._frame))
+            self._publish(name, [marker.bearing for marker in markers], header)
+            if _ends(name)[0] in self._pubs:
+                ends = [marker.ends for marker in markers if marker.ends is not None]
+                for side, topic in enumerate(_ends(name)):
+                    self._publish(topic, [both[side] for both in ends], header)
             self._seen[name] = len(markers)
+
+    def _publish(self, name: str, bearings: list[float], header: Any) -> None:
+        poses = [SE2(0.0, 0.0, bearing) for bearing in bearings]
+        self._pubs[name].publish(poses_to_msg(poses, header.stamp, self._frame))
 
     def _status(self) -> Status:
         values = {f"{name} seen": num for name, num in self._seen.items()}
@@ -88,6 +98,11 @@ class MarkerDetectorNode(FloornavNode):
         if self._input.doubt:
             return Status(WARN, self._input.doubt, values)
         return Status(OK, "looking", values)
+
+
+def _ends(name: str) -> tuple[str, str]:
+    """Return the names under which the right and the left ends of a class are published."""
+    return f"{name}_right", f"{name}_left"
 
 
 def main(args: list[str] | None = None) -> int:
