@@ -38,12 +38,10 @@ class MarkerDetectorNode(FloornavNode):
         markers = declare_config(self, MarkerNodeConfig)
         self._frame = (self.frames.frame_prefix + config.floor_frame).lstrip("/")
         classes = self._load(config, markers)
-        names = [
-            n for c, kind in classes.items() for n in ((c, *_ends(c)) if kind.has_ends else (c,))
-        ]
+        ends = [end for name, kind in classes.items() if kind.has_ends for end in _ends(name)]
         self._pubs = {
             name: create_publisher(self, PoseArray, f"bearings/{name}", RELIABLE_QOS)
-            for name in names
+            for name in (*classes, *ends)
         }
         self._seen: dict[str, int] = dict.fromkeys(classes, 0)
         self._ms = 0.0
