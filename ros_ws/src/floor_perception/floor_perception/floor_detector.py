@@ -14,9 +14,9 @@ from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_mask import FloorMasker, closing_px
 from floor_perception.free_space import NOT_SEEN, floor_areas, ratios_and_ranges
 from floor_perception.glare import GlareFinder
-from floor_perception.image_size import camera_at_size, shape_doubt
 from floor_perception.polar_template import PolarTemplate, make_template, row_spans
 from floornav_common.floor_camera import FloorCamera
+from floornav_common.image_size import camera_at_size, shape_doubt
 from floornav_common.scan import Scan
 
 

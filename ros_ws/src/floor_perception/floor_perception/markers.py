@@ -20,11 +20,11 @@ import yaml
 
 from floor_perception.color_model import chromaticity
 from floor_perception.color_table import TABLE_EDGE
-from floor_perception.image_size import camera_at_size, shape_doubt
 from floor_perception.marker_ends import bearings_of_ends
 from floornav_common.config import param, validate
 from floornav_common.config_files import coerce, refuse_unknown
 from floornav_common.floor_camera import FloorCamera
+from floornav_common.image_size import camera_at_size, shape_doubt
 
 _STEP = 256 // TABLE_EDGE
 _MAX_CLASSES = 250

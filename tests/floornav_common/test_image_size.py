@@ -8,8 +8,8 @@ from painted_floors import upright_camera
 
 from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_detector import FloorDetector
-from floor_perception.image_size import camera_at_size, shape_doubt
 from floor_perception.markers import MarkerClass, MarkerDetector
+from floornav_common.image_size import camera_at_size, shape_doubt
 
 CAMERA = upright_camera()
 WRONG = [(20, 4000), (4000, 20), (640, 480), (256, 220), (220, 2000), (720, 1280), (220, 296)]
