@@ -1,0 +1,84 @@
+"""Every value of the floor localizer besides the fit; a default stands here and nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from floornav_common.config import param, validate
+
+
+@dataclass(frozen=True, kw_only=True)
+class FloorTrackConfig:
+    """Which of the poses that fit is the robot's, over time."""
+
+    settle_share: float = param(
+        0.98, "A pose is given when it alone has this share of the belief.", gt=0.5, lt=1.0
+    )
+    least_share: float = param(
+        0.002, "What is against a pose leaves it this share, so that it can come back.",
+        gt=0.0, lt=0.1,
+    )  # fmt: skip
+    goal_sd_rad: float = param(
+        0.2, "Deviation of a goal's bearing from that of the place in the plan.", unit="rad",
+        gt=0.0, le=1.5,
+    )  # fmt: skip
+    false_goal_share: float = param(
+        0.1, "Share of goals seen that are something else.", gt=0.0, lt=1.0
+    )
+    goal_weight: float = param(
+        0.5, "How much of a goal's evidence counts each time: what is false lasts for some images.",
+        gt=0.0, le=1.0,
+    )  # fmt: skip
+    max_skew_s: float = param(
+        0.06, "A goal counts for the pose of a mask that is not farther off in time.", unit="s",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
+    lost_after_s: float = param(
+        0.3, "Poses that do not follow from the motion are believed after this: carried away.",
+        unit="s", ge=0.0, le=10.0,
+    )  # fmt: skip
+    gate_sd: float = param(
+        4.0, "A pose follows from the last and the motion within so many deviations.", gt=1.0
+    )
+    odom_share: float = param(0.1, "Deviation of odometry, of the way and of the turn.", ge=0.0)
+    slack_m: float = param(0.03, "Deviation from one mask to the next besides.", unit="m", gt=0.0)
+    slack_rad: float = param(0.03, "The same of yaw.", unit="rad", gt=0.0)
+    max_speed_m_s: float = param(
+        1.0, "Speed that is thought possible without odometry.", unit="m/s", gt=0.0
+    )
+    max_turn_rad_s: float = param(
+        2.0, "Turn that is thought possible without odometry.", unit="rad/s", gt=0.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FloorLocalizerConfig:
+    """The node `floor_localizer`."""
+
+    plan: str = param(
+        "small_size_field", "YAML of the floor's plan, or the name of one of the package.",
+        read_only=True,
+    )  # fmt: skip
+    camera_model: str = param(
+        "soccer_small_size", "YAML of the camera, or the name of one brought along.",
+        read_only=True,
+    )  # fmt: skip
+    floor_frame: str = param(
+        "omni_camera_floor", "Frame below the camera on the floor, without the prefix.",
+        read_only=True,
+    )  # fmt: skip
+    use_odom: bool = param(
+        True, "Follow the motion by odom -> base; without it by greatest speeds.", read_only=True
+    )
+    mask_timeout_s: float = param(1.0, "Silence of the masks allowed.", unit="s", gt=0.0)
+    publish_tf: bool = param(
+        False, "Send map->odom, unless somebody else does; needs use_odom.", read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.publish_tf and not self.use_odom:
+            raise ValueError("publish_tf needs use_odom: without odometry there is no map->odom")
