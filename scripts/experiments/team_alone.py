@@ -16,7 +16,7 @@ from experiments.team_bounds import bearing_gradients
 from experiments.team_layouts import FIELD_X, FIELD_Y, POSTS
 from experiments.team_views_sim import Scene
 from floornav_common.se2 import SE2
-from multi_localizer.landmark_circle import circle_fix, yaw_at
+from multi_localizer.landmark_circle import circle_fix
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_views import RobotView, TeamSolution
 
@@ -62,7 +62,7 @@ def _by_circles(view: RobotView) -> SE2 | None:
     if pose is None:
         return None
     place = np.clip((pose.x, pose.y), *_corners())
-    return SE2(*place, yaw_at(place, places, bearings))
+    return SE2(*place, _yaw_at(place, places, bearings))
 
 
 def _most_likely(view: RobotView) -> SE2 | None:
@@ -71,7 +71,7 @@ def _most_likely(view: RobotView) -> SE2 | None:
     if len(places) < LEAST_POSTS:
         return None
     start = _GRID[_costs(_GRID, places, bearings).argmin()]
-    pose = np.array([*start, yaw_at(start, places, bearings)])
+    pose = np.array([*start, _yaw_at(start, places, bearings)])
     for _ in range(_ROUNDS):
         J, _ = bearing_gradients(pose, places)
         off = _wrapped(np.arctan2(*(places - pose[:2]).T[::-1]) - pose[2] - bearings)
@@ -81,8 +81,14 @@ def _most_likely(view: RobotView) -> SE2 | None:
             break
     low, high = _corners()
     if np.any(pose[:2] < low) or np.any(pose[:2] > high):
-        return SE2(*start, yaw_at(start, places, bearings))
+        return SE2(*start, _yaw_at(start, places, bearings))
     return SE2(*pose)
+
+
+def _yaw_at(place: np.ndarray, places: np.ndarray, bearings: np.ndarray) -> float:
+    """Return the yaw that suits a spot best, rad."""
+    off = np.arctan2(*(places - place).T[::-1]) - bearings
+    return float(np.arctan2(np.sin(off).sum(), np.cos(off).sum()))
 
 
 def _costs(spots: np.ndarray, places: np.ndarray, bearings: np.ndarray) -> np.ndarray:

@@ -60,19 +60,17 @@ def judge(scene: Scene, solution: TeamSolution, ms: float, *, counts_rough: bool
         ms: How long it took.
         counts_rough: Whether rough poses are evidence of their own.
     """
-    nobody = [np.full(len(ids), NOBODY) for ids in scene.true_ids]
-    given = [
-        np.asarray(solution.identities.get(name, none))
-        for name, none in zip(scene.layout.names, nobody, strict=True)
-    ]
-    truth, said = np.concatenate(scene.true_ids), np.concatenate(given)
-    oracle = np.concatenate(oracle_ids(scene))
+    honest = [k for k in range(len(scene.views)) if k not in scene.faulty]
+    truth = np.concatenate([scene.true_ids[k] for k in honest])
+    said = np.concatenate([_said(scene, solution, k) for k in honest])
+    best = oracle_ids(scene)
+    oracle = np.concatenate([best[k] for k in honest])
     is_real = truth != NOBODY
-    errors, nees = _errors(scene, solution)
+    errors, nees = _errors(scene, solution, honest)
     return Verdict(
         errors=errors,
         nees=nees,
-        least_var=bound(scene, counts_rough=counts_rough),
+        least_var=None if scene.faulty else bound(scene, counts_rough=counts_rough),
         num_views=int(is_real.sum()),
         num_right=int((truth == said)[is_real].sum()),
         num_oracle=int((truth == oracle)[is_real].sum()),
@@ -84,16 +82,22 @@ def judge(scene: Scene, solution: TeamSolution, ms: float, *, counts_rough: bool
     )
 
 
-def _errors(scene: Scene, solution: TeamSolution) -> tuple[np.ndarray, np.ndarray]:
-    num = len(scene.layout.poses)
-    errors, nees = np.full((num, 3), np.nan), np.full(num, np.nan)
-    for index, (name, truth) in enumerate(zip(scene.layout.names, scene.layout.poses, strict=True)):
-        estimate = solution.estimates.get(name)
+def _said(scene: Scene, solution: TeamSolution, robot: int) -> np.ndarray:
+    ids = solution.identities.get(scene.layout.names[robot])
+    return np.full(len(scene.true_ids[robot]), NOBODY) if ids is None else np.asarray(ids)
+
+
+def _errors(
+    scene: Scene, solution: TeamSolution, robots: Sequence[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    errors, nees = np.full((len(robots), 3), np.nan), np.full(len(robots), np.nan)
+    for k, robot in enumerate(robots):
+        estimate = solution.estimates.get(scene.layout.names[robot])
         if estimate is not None:
-            off = estimate.pose.as_array() - truth
+            off = estimate.pose.as_array() - scene.layout.poses[robot]
             off[2] = (off[2] + np.pi) % (2.0 * np.pi) - np.pi
-            errors[index] = off
-            nees[index] = off @ np.linalg.solve(estimate.cov, off)
+            errors[k] = off
+            nees[k] = off @ np.linalg.solve(estimate.cov, off)
     return errors, nees
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
+import numba
 import numpy as np
 
 from experiments.team_layouts import BODY_RADIUS, OBSTACLE_RADIUS, POSTS, Layout
@@ -43,6 +45,7 @@ class Scene:
         views: All that is handed to a localizer.
         true_ids: For each robot the index of the robot at each bearing, `NOBODY` at false ones.
         visible: [i, j]: robot j is not hidden from robot i, (N, N).
+        faulty: Robots whose word is false on purpose; they are not judged.
     """
 
     layout: Layout
@@ -50,8 +53,10 @@ class Scene:
     views: tuple[RobotView, ...]
     true_ids: tuple[np.ndarray, ...]
     visible: np.ndarray
+    faulty: tuple[int, ...] = ()
 
 
+@numba.njit(cache=True)
 def hidden(eye: np.ndarray, targets: np.ndarray, disks: np.ndarray) -> np.ndarray:
     """Return which targets have a disk across the line of sight to their middle, (T,) bool.
 
@@ -60,14 +65,21 @@ def hidden(eye: np.ndarray, targets: np.ndarray, disks: np.ndarray) -> np.ndarra
         targets: (T, 2).
         disks: x, y, radius, (K, 3); one that holds the eye or the target hides nothing there.
     """
-    to_disk, to_target = disks[:, :2] - eye, targets - eye
-    length = np.maximum(np.hypot(*to_target.T), 1e-9)
-    along = to_target @ to_disk.T / length[:, None]
-    aside = (to_target[:, :1] * to_disk[:, 1] - to_target[:, 1:] * to_disk[:, 0]) / length[:, None]
-    beside_target = np.hypot(*(targets[:, None] - disks[None, :, :2]).transpose(2, 0, 1))
-    is_between = (along > 0.0) & (along < length[:, None])
-    is_other = (np.hypot(*to_disk.T) > disks[:, 2]) & (beside_target > disks[:, 2])
-    return np.any(is_between & is_other & (np.abs(aside) < disks[:, 2]), axis=1)
+    result = np.zeros(len(targets), dtype=np.bool_)
+    for t in range(len(targets)):
+        way_x, way_y = targets[t, 0] - eye[0], targets[t, 1] - eye[1]
+        length = max(math.hypot(way_x, way_y), 1e-9)
+        for k in range(len(disks)):
+            x, y, radius = disks[k, 0] - eye[0], disks[k, 1] - eye[1], disks[k, 2]
+            along = (way_x * x + way_y * y) / length
+            aside = abs(way_x * y - way_y * x) / length
+            if 0.0 < along < length and aside < radius:
+                holds_eye = math.hypot(x, y) <= radius
+                holds_target = math.hypot(x - way_x, y - way_y) <= radius
+                if not holds_eye and not holds_target:
+                    result[t] = True
+                    break
+    return result
 
 
 def see(layout: Layout, senses: Senses, seed: int) -> Scene:
