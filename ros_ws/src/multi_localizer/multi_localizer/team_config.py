@@ -34,9 +34,33 @@ class TeamConfig:
     body_radius_m: float = param(
         0.15, "Radius of a robot's body, which hides what is behind it.", unit="m", ge=0.0
     )
-    gate_sd: float = param(3.5, "A bearing within so many deviations may be a robot's.", gt=0.0)
+    gate_sd: float = param(4.0, "A bearing within so many deviations may be a robot's.", gt=0.0)
+    detected_share: float = param(
+        0.95, "Chance that a robot that nothing hides is detected.", gt=0.0, lt=1.0
+    )
+    num_false: float = param(0.1, "Mean number of false detections in a view.", gt=0.0)
+    least_visible: float = param(
+        0.02, "Chance that a robot is seen although a body seems to hide it.", gt=0.0, le=1.0
+    )
+    new_share: float = param(
+        0.2, "Of all bearings at most this share, the surest, begins to count in one round.",
+        gt=0.0, le=1.0,
+    )  # fmt: skip
     max_rounds: int = param(
-        8, "Identities are looked at again at most so many times.", ge=1, le=100
+        16, "Identities are looked at again at most so many times.", ge=1, le=100
+    )
+    num_messages: int = param(
+        15, "Messages run between pairs and bearings so many times a round.", ge=1, le=1000
+    )
+    loose_yaw_rad: float = param(
+        0.1, "A yaw known worse than this is settled by the pattern of the robot's bearings first.",
+        unit="rad", gt=0.0,
+    )  # fmt: skip
+    far_sd_m: float = param(
+        5.0, "A position known worse than this along an axis is not known.", unit="m", gt=0.0
+    )
+    lost_yaw_rad: float = param(
+        1.0, "A yaw known worse than this is not known.", unit="rad", gt=0.0
     )
     published: PublishedTeamConfig = PublishedTeamConfig()
 

@@ -1,0 +1,117 @@
+"""Who is who in the bearings of a team, settled by the geometry of all of them together.
+
+Rounds of: weigh each pair of bearings that two robots may have of each other under the joint
+covariance of all poses (`team_pairs`); let pairs and bearings agree on beliefs (`team_beliefs`);
+fit all poses to the bearings believed in (`team_fit`). With each round the covariance shrinks,
+and what was ambiguous is not any more. Nothing is final before the last round.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from multi_localizer.team_beliefs import beliefs
+from multi_localizer.team_choice import best_owners, choose
+from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_fit import TeamFit, fit_poses
+from multi_localizer.team_hiding import visibility
+from multi_localizer.team_marks import nearest_marks
+from multi_localizer.team_pairs import pair_likelihoods
+from multi_localizer.team_problem import TeamProblem
+from multi_localizer.team_yaws import settle_yaws
+
+_PLAIN = 1e3  # deviations: no residual counts less
+_LEVELS = (0.95, 0.8, 0.6)
+_FEW_STEPS = 6  # of the fit within a round; the next one goes on
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """Identities and the poses they make.
+
+    Attributes:
+        owner: Robot that each bearing is likeliest of, (M,); -1 for none.
+        belief: How sure that is, (M,).
+        seen: The owners that count in the fit, (M,); -1 else.
+        mark_seen: Landmark of each bearing to one, (K,); -1 for none.
+        prior_weight: What each rough pose counts, (N,).
+        fit: Poses and covariance.
+        limit: Deviations beyond which a residual counted less in the fit.
+    """
+
+    owner: np.ndarray
+    belief: np.ndarray
+    seen: np.ndarray
+    mark_seen: np.ndarray
+    prior_weight: np.ndarray
+    fit: TeamFit
+    limit: float = _PLAIN
+
+
+def identify(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig) -> Identification:
+    """Settle identities, starting from rough poses and landmarks.
+
+    Args:
+        problem: The views.
+        prior_weight: What each rough pose counts, (N,), 0..1.
+        config: Tuning.
+    """
+    none = np.full(len(problem.bearings), -1, dtype=np.int64)
+    marks = find_marks(problem, _prior_fit(problem, prior_weight), config)
+    alone = fit_poses(problem, problem.prior, none, marks, prior_weight, _PLAIN)
+    x, cov = settle_yaws(
+        alone.poses, alone.cov, problem.start, problem.bearings, problem.var,
+        config.loose_yaw_rad, config.far_sd_m,
+    )  # fmt: skip
+    start = Identification(
+        none, np.zeros(len(none)), none, marks, prior_weight, TeamFit(x, cov, alone.cost)
+    )
+    return refine(problem, start, config)
+
+
+def refine(problem: TeamProblem, state: Identification, config: TeamConfig) -> Identification:
+    """Go on from poses that are known somehow, round by round, until nothing changes."""
+    level = 0
+    for turn in range(config.max_rounds):
+        weighed = _believe(problem, state, config)
+        seen = choose(weighed.owner, weighed.belief, state.seen, _LEVELS[level], config.new_share)
+        marks = find_marks(problem, state.fit, config)
+        is_settled = np.array_equal(seen, state.seen) and np.array_equal(marks, state.mark_seen)
+        limit = _PLAIN if turn < 2 else config.gate_sd
+        fit = fit_poses(
+            problem, state.fit.poses, seen, marks, state.prior_weight, limit, _FEW_STEPS
+        )
+        state = replace(weighed, seen=seen, mark_seen=marks, fit=fit, limit=limit)
+        if is_settled:
+            level += 1
+            if level == len(_LEVELS):
+                break
+    return state
+
+
+def find_marks(problem: TeamProblem, fit: TeamFit, config: TeamConfig) -> np.ndarray:
+    """Return the landmark of each bearing to one, (K,); -1 for none."""
+    return nearest_marks(
+        fit.poses, fit.cov, problem.mark_robot, problem.mark_kind, problem.mark_bearing,
+        problem.mark_var, problem.marks, problem.kind_start, config.gate_sd,
+    )  # fmt: skip
+
+
+def _believe(problem: TeamProblem, state: Identification, config: TeamConfig) -> Identification:
+    visible = visibility(state.fit.poses, state.fit.cov, config.body_radius_m, config.least_visible)
+    candidates, counts, likelihoods = pair_likelihoods(
+        state.fit.poses, state.fit.cov, problem.start, problem.bearings, problem.var,
+        problem.known, state.seen, state.limit, visible, config.gate_sd, config.detected_share,
+        config.num_false / (2.0 * np.pi),
+    )  # fmt: skip
+    sure = beliefs(candidates, counts, likelihoods, len(problem.bearings), config.num_messages)
+    owner, belief = best_owners(candidates, counts, sure, len(problem.bearings))
+    return replace(state, owner=owner, belief=belief)
+
+
+def _prior_fit(problem: TeamProblem, prior_weight: np.ndarray) -> TeamFit:
+    none = np.full(len(problem.bearings), -1, dtype=np.int64)
+    no_mark = np.full(len(problem.mark_robot), -1, dtype=np.int64)
+    return fit_poses(problem, problem.prior, none, no_mark, prior_weight, _PLAIN)

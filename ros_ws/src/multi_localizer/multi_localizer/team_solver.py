@@ -1,0 +1,99 @@
+"""The team's poses and identities from all views: geometry first, then one fit of everything."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from floornav_common.se2 import SE2
+from multi_localizer.pose_estimate import PoseEstimate
+from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_fit import TeamFit, fit_poses
+from multi_localizer.team_identify import Identification, identify
+from multi_localizer.team_observability import unknown_poses, words
+from multi_localizer.team_problem import TeamProblem, make_problem
+from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
+
+
+def solve_team(
+    views: Sequence[RobotView],
+    landmarks: Mapping[str, np.ndarray],
+    config: TeamConfig | None = None,
+) -> TeamSolution:
+    """Tell who is who and where every robot is.
+
+    Args:
+        views: Of all robots of the team; their names must differ.
+        landmarks: Positions by class in the map frame, (K, 2) each, m; may be empty.
+        config: Tuning.
+    """
+    config = TeamConfig() if config is None else config
+    names = tuple(view.name for view in views)
+    problem_text = view_problem(views)
+    if problem_text:
+        return TeamSolution(names, problem=problem_text)
+    problem = make_problem(views, landmarks, config)
+    found = identify(problem, problem.has_prior.astype(float), config)
+    fit = _final_fit(problem, found, config)
+    return _solution(problem, views, found, fit, config)
+
+
+def _final_fit(problem: TeamProblem, found: Identification, config: TeamConfig) -> TeamFit:
+    """Fit once more, with those rough poses only that are evidence of their own."""
+    weight = np.where(problem.prior_counts, found.prior_weight, 0.0)
+    return fit_poses(problem, found.fit.poses, found.seen, found.mark_seen, weight, config.gate_sd)
+
+
+def _solution(
+    problem: TeamProblem, views: Sequence[RobotView], found: Identification, fit: TeamFit,
+    config: TeamConfig,
+) -> TeamSolution:  # fmt: skip
+    unknown = unknown_poses(fit, config)
+    located = [i for i in range(problem.num_robots) if not unknown[i]]
+    rows = np.concatenate([np.arange(3 * i, 3 * i + 3) for i in located] or [np.zeros(0, int)])
+    return TeamSolution(
+        names=problem.names,
+        estimates={
+            problem.names[i]: PoseEstimate(
+                SE2(*(float(value) for value in fit.poses[i])),
+                fit.cov[3 * i : 3 * i + 3, 3 * i : 3 * i + 3],
+            )
+            for i in located
+        },
+        identities=_identities(problem, views, found),
+        landmark_identities=_landmark_identities(problem, views, found),
+        unobservable=words(problem, fit, found, unknown),
+        notes=problem.notes,
+        joint_cov=fit.cov[np.ix_(rows, rows)],
+    )
+
+
+def _identities(
+    problem: TeamProblem, views: Sequence[RobotView], found: Identification
+) -> dict[str, np.ndarray]:
+    owner = np.where(found.belief > 0.5, found.owner, NOBODY)
+    result = {}
+    for i, view in enumerate(views):
+        ids = np.full(len(view.bearings), NOBODY, dtype=np.int64)
+        part = slice(problem.start[i], problem.start[i + 1])
+        ids[problem.source[part]] = owner[part]
+        result[view.name] = ids
+    return result
+
+
+def _landmark_identities(
+    problem: TeamProblem, views: Sequence[RobotView], found: Identification
+) -> dict[str, dict[str, np.ndarray]]:
+    result = {
+        view.name: {
+            kind: np.full(len(bearings), NOBODY, dtype=np.int64)
+            for kind, bearings in view.landmark_bearings.items()
+        }
+        for view in views
+    }
+    for k, mark in enumerate(found.mark_seen):
+        kind = problem.mark_kind[k]
+        ids = result[problem.names[problem.mark_robot[k]]][problem.kinds[kind]]
+        ids[problem.mark_source[k]] = NOBODY if mark < 0 else mark - problem.kind_start[kind]
+    return result
