@@ -1,9 +1,11 @@
 """The known shape of a floor: a polygon of walls, and where its goals are.
 
-name: small_size_field
-corners_m: [[1.37, -0.76], ...]     # counter-clockwise, convex or rectilinear or any other
-unused_edges: [1, 3]                # edges (from corner k to k + 1) that step 6 leaves out
-goals_m: {yellow_goal: [1.55, 0.0]} # what tells the two ends apart, by class of bearing
+A file holds `corners_m`, counter-clockwise, of a convex, a rectilinear or any other polygon:
+
+    name: small_size_field
+    corners_m: [[1.37, -0.76], ...]
+    unused_edges: [1, 3]                # edges (from corner k) that the published fit leaves out
+    goals_m: {yellow_goal: [1.55, 0.0]} # what tells the two ends apart, by class of bearing
 """
 
 from __future__ import annotations
@@ -12,7 +14,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ import numpy as np
 import yaml
 
 from floornav_common.config_files import coerce, refuse_unknown
+from floornav_common.package_files import find_file
 from floornav_common.se2 import SE2
 
 SYMMETRY_TOL_M = 1e-3
@@ -78,7 +80,7 @@ class FloorPlan:
 
     @cached_property
     def offsets(self) -> np.ndarray:
-        """c of the edges' lines n . p = c, (N,), m."""
+        """Distances of the edges' lines from the origin, c in n . p = c, (N,), m."""
         return np.asarray((self.normals * self.corners).sum(axis=1))
 
     @cached_property
@@ -120,7 +122,7 @@ def load_plan(name_or_path: str) -> FloorPlan:
     Raises:
         ValueError: There is none, or it does not hold to the schema.
     """
-    path = _find(name_or_path)
+    path = find_file(name_or_path, "multi_localizer", "plans")
     data = _read(path)
     refuse_unknown([str(key) for key in data], _KEYS, str(path))
     if not isinstance(data.get("corners_m"), list):
@@ -135,18 +137,6 @@ def load_plan(name_or_path: str) -> FloorPlan:
         return FloorPlan(np.array(corners), str(data.get("name", path.stem)), goals, unused)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
-
-
-def _find(name_or_path: str) -> Path:
-    if name_or_path.endswith((".yaml", ".yml")):
-        return Path(name_or_path)
-    folder = resources.files("multi_localizer") / "plans"
-    known = sorted(f.name[: -len(".yaml")] for f in folder.iterdir() if f.name.endswith(".yaml"))
-    if name_or_path not in known:
-        raise ValueError(
-            f"no plan named {name_or_path!r}: a path ending in .yaml or one of {', '.join(known)}"
-        )
-    return Path(str(folder / f"{name_or_path}.yaml"))
 
 
 def _read(path: Path) -> dict[str, Any]:

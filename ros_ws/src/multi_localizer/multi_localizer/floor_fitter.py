@@ -1,0 +1,233 @@
+"""Pose from the border of the floor region: any plan, obstacles, sub-pixel, with covariance.
+
+Beyond the floor paper's section 4: every piece of border that is seen is a measurement, not only
+the hull's corners, each with its own noise in both directions of the image; a piece belongs to the
+wall that its bearing meets first, so that hidden corners mislead nobody; what lies nearer than the
+walls is an obstacle's and does not count; the border as a whole may lie some part of a pixel inside
+or outside (pixels that are part wall), and every wall a little by itself. The published steps 1 to
+5 say where to begin; if that leads nowhere the whole plan is searched.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from floornav_common.floor_camera import FloorCamera
+from floornav_common.se2 import SE2, wrap_angle
+from multi_localizer.floor_config import FloorFitConfig
+from multi_localizer.floor_kernels import anneal
+from multi_localizer.floor_moments import polygon_moments
+from multi_localizer.floor_plan import FloorPlan
+from multi_localizer.floor_polish import polish
+from multi_localizer.floor_rays import BorderRays, BorderScanner
+from multi_localizer.floor_search import places_of, search
+from multi_localizer.pose_estimate import PoseEstimate, difference, moved
+
+REACH = 1.02
+MIN_PIECES = 24
+COARSE_PIECES = 160
+COARSE_STEPS, POLISH_STEPS = 20, 5
+SPREAD_PX = 1.0
+SURE_COST, GOOD_COST = 0.4, 0.6
+SAME_M, SAME_RAD = 0.1, 0.1
+MAX_BEYOND = 0.15
+MAX_SD_M, MAX_SD_RAD = 0.25, 0.2
+_TURNS = (0.0, 0.5, -0.5)  # of a quarter
+
+
+@dataclass(frozen=True, eq=False)
+class FloorFit:
+    """What a mask says about the robot's pose.
+
+    Attributes:
+        candidates: Poses of base_link that fit, the best first; those that a symmetry of the plan
+            makes of each other follow each other. Empty if there is a problem.
+        num_points: Pieces of border that belong to walls.
+        residual_px: Root mean square of their residuals.
+        hidden_share: Of all directions, those that show no wall.
+        problem: Why there is no pose; "" if there is one.
+        offset_px: How far inside the walls the border lies.
+    """
+
+    candidates: tuple[PoseEstimate, ...]
+    num_points: int
+    residual_px: float
+    hidden_share: float
+    problem: str
+    offset_px: float = 0.0
+
+
+class FloorShapeFitter:
+    """Finds poses for the masks of one camera on one floor.
+
+    Args:
+        camera: The camera that the masks come from, at their size.
+        plan: The floor.
+        config: How the border is fitted.
+    """
+
+    def __init__(
+        self, camera: FloorCamera, plan: FloorPlan, config: FloorFitConfig | None = None
+    ) -> None:
+        self.camera, self.plan = camera, plan
+        self.config = FloorFitConfig() if config is None else config
+        self._scanner = BorderScanner(camera, REACH * plan.reach)
+        self._walls = np.column_stack(
+            (plan.corners, plan.tangents, plan.normals, plan.offsets, plan.lengths)
+        )
+        self._places = places_of(plan)
+        c = self.config
+        self._limits = (
+            c.border_sd_px, c.max_sd_px, c.gate_sd, c.offset_sd_px, c.wall_sd_px, c.coarse_m
+        )  # fmt: skip
+        self._T_camera_base = SE2(*camera.position_m, 0.0).inverse()
+
+    def fit(self, mask: np.ndarray, guess: PoseEstimate | None = None) -> FloorFit:
+        """Return the poses that a mask fits.
+
+        Args:
+            mask: Not 0 where the floor is, (H, W), uint8.
+            guess: Where base_link may be; the fit begins there too.
+
+        Raises:
+            ValueError: The mask is not of the camera's size.
+        """
+        return self.fit_border(self._scanner.scan(mask), guess)
+
+    def fit_border(self, border: BorderRays, guess: PoseEstimate | None = None) -> FloorFit:
+        """Return the poses that a border fits."""
+        if len(border.values) < MIN_PIECES:
+            return _none(f"only {len(border.values)} pixels of the floor's border are seen", 0, 1.0)
+        found = self._coarse(border, guess)
+        best = found[0][0]
+        fits = [self._polished(border, start, offset) for start, offset, cost in found
+                if 1.0 - cost >= self.config.rival * (1.0 - found[0][2])]  # fmt: skip
+        if fits[0].problem:
+            return fits[0]
+        good = [f for f in fits if not f.problem]
+        candidates = tuple(c for f in good for c in self._mates(f.candidates[0]))
+        del best
+        first = good[0]
+        return FloorFit(
+            candidates, first.num_points, first.residual_px, first.hidden_share, "",
+            first.offset_px,
+        )  # fmt: skip
+
+    def _coarse(
+        self, border: BorderRays, guess: PoseEstimate | None
+    ) -> list[tuple[np.ndarray, float, float]]:
+        """Return poses, offsets and costs of the different fits found, the best first."""
+        step = max(1, len(border.values) // COARSE_PIECES)
+        found: list[tuple[np.ndarray, float, float]] = []
+        is_even = len(self.plan.symmetries) > 1
+        for start in self._starts(border, guess):
+            if found and found[0][2] < SURE_COST and is_even:
+                break
+            self._add(found, border, step, start)
+        if found and found[0][2] < GOOD_COST:
+            return found
+        for start in search(border.values, self._walls, self._places):
+            self._add(found, border, step, start)
+        return found
+
+    def _add(
+        self,
+        found: list[tuple[np.ndarray, float, float]],
+        border: BorderRays,
+        step: int,
+        start: np.ndarray,
+    ) -> None:
+        """Fit from a start and keep what is new."""
+        pose, offset, cost = anneal(
+            border.values, step, start, self._walls, SPREAD_PX, COARSE_STEPS
+        )
+        if not np.isfinite(pose).all():
+            return
+        here = SE2(*pose)
+        for k, (other, _, old) in enumerate(found):
+            if any(_is_same(s @ here, SE2(*other)) for s in self.plan.symmetries):
+                if cost >= old:
+                    return
+                del found[k]
+                break
+        found.append((pose, float(offset), float(cost)))
+        found.sort(key=lambda f: f[2])
+
+    def _starts(self, border: BorderRays, guess: PoseEstimate | None) -> list[np.ndarray]:
+        """Return where fits begin: the guess, and what the region's moments say (step 5)."""
+        starts = []
+        if guess is not None:
+            T_base_camera = self._T_camera_base.inverse()
+            starts.append((guess.pose @ T_base_camera).as_array())
+        points = border.values[:, :2] / border.values[:, 2:3]
+        hull = cv2.convexHull(points.astype(np.float32))[:, 0].astype(float)
+        try:
+            region, model = polygon_moments(hull), polygon_moments(self.plan.corners)
+        except ValueError:
+            return starts
+        is_even = len(self.plan.symmetries) > 1
+        quarters = (0, 1) if is_even else (0, 2, 1, 3)
+        for quarter in quarters:
+            for turn in _TURNS:
+                yaw = model.axis_rad - region.axis_rad + 0.5 * math.pi * (quarter + turn)
+                x, y = model.center - (SE2(0.0, 0.0, yaw) @ region.center[None])[0]
+                starts.append(np.array((x, y, yaw)))
+        return starts
+
+    def _polished(self, border: BorderRays, start: np.ndarray, offset: float) -> FloorFit:
+        """Return the fit of all of the border, with what speaks against it."""
+        pose, cov, offset, sd, _, weights, rows = polish(
+            border.values, start, offset, self._walls, self._limits, POLISH_STEPS
+        )
+        is_wall = weights > 0.0
+        num = int(is_wall.sum())
+        hidden = 1.0 - num / border.num_paths
+        if num < MIN_PIECES or not np.isfinite(cov).all() or not np.isfinite(pose).all():
+            return _none("the border fits no pose on the plan", num, hidden)
+        off = rows[:, 0] - offset
+        rms = float(np.sqrt(np.mean(off[is_wall] ** 2)))
+        beyond = float(np.mean((rows[:, 4] >= 0) & (off < -self.config.gate_sd * sd)))
+        problem = self._problem(pose, cov, sd, hidden, beyond)
+        if problem:
+            return _none(problem, num, hidden, rms)
+        estimate = moved(PoseEstimate(SE2(*pose), cov), self._T_camera_base)
+        return FloorFit((estimate,), num, rms, hidden, "", float(offset))
+
+    def _problem(
+        self, pose: np.ndarray, cov: np.ndarray, sd: float, hidden: float, beyond: float
+    ) -> str:
+        if not self.plan.contains(pose[0], pose[1]):
+            return "the border fits only outside of the plan"
+        if hidden > self.config.max_hidden:
+            return f"{hidden:.0%} of the directions show no wall of the plan"
+        if beyond > MAX_BEYOND:
+            return f"{beyond:.0%} of the border lies where the plan has no floor"
+        if sd >= self.config.max_sd_px:
+            return f"the border scatters by {sd:.1f} px about the walls"
+        x, y, yaw = np.sqrt(np.diag(cov))
+        if max(x, y) > MAX_SD_M or yaw > MAX_SD_RAD:
+            return f"the border does not determine the pose: {x:.2f} m, {y:.2f} m, {yaw:.2f} rad"
+        return ""
+
+    def _mates(self, estimate: PoseEstimate) -> tuple[PoseEstimate, ...]:
+        """Return all poses that the plan's symmetries make of one."""
+        mates = []
+        for s in self.plan.symmetries:
+            R = np.eye(3)
+            c, t = math.cos(s.yaw), math.sin(s.yaw)
+            R[:2, :2] = (c, -t), (t, c)
+            mates.append(PoseEstimate(s @ estimate.pose, R @ estimate.cov @ R.T))
+        return tuple(mates)
+
+
+def _is_same(a: SE2, b: SE2) -> bool:
+    x, y, yaw = difference(a, b)
+    return math.hypot(x, y) < SAME_M and abs(wrap_angle(yaw)) < SAME_RAD
+
+
+def _none(problem: str, num: int, hidden: float, rms: float = math.nan) -> FloorFit:
+    return FloorFit((), num, rms, hidden, problem)

@@ -1,0 +1,97 @@
+"""The last steps of the fit of border to walls: what is border, how well it says where we are."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from multi_localizer.floor_kernels import NUM_VALUES, gate_weights, normal_equations, residuals
+
+MARGIN = 2  # pieces left out on both sides of an obstacle
+BLOCK = 8  # pieces, about as far as neighbors err together
+MOST_TOGETHER = 8.0
+_TO_SD = 1.4826
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def polish(values, start, offset, walls, limits, num_iterations):  # type: ignore[no-untyped-def]
+    """Fit all of the border to the walls, obstacles left out.
+
+    Args:
+        values: Of `BorderRays`, (N, 7).
+        start: x, y, yaw, (3,).
+        offset: Of the border, px.
+        walls: As in `residuals`.
+        limits: border_sd, max_sd, gate_sd, offset_sd, wall_sd, coarse_m.
+        num_iterations: Steps.
+
+    Returns:
+        The pose (3,), covariance (3, 3), offset, deviation of a piece of border, how much more
+        neighbors that err together count than they should, weights (N,), rows (N, 7).
+    """
+    border_sd, max_sd, gate_sd, offset_sd, wall_sd, coarse_m = limits
+    pose, num_walls = start.copy(), len(walls)
+    rows, weights = np.empty((len(values), NUM_VALUES)), np.empty(len(values))
+    sd, together = max_sd, 1.0
+    cov = np.full((3, 3), np.inf)
+    for step in range(num_iterations):
+        residuals(values, 1, pose, walls, rows)
+        sd = deviation(rows, offset, gate_sd * sd, border_sd, max_sd)
+        gate_weights(rows, offset, gate_sd * sd, MARGIN, weights)
+        if step == num_iterations - 1:
+            together = togetherness(rows, weights, num_walls)
+        H, b = normal_equations(
+            rows, weights, sd * np.sqrt(together), offset_sd, wall_sd, coarse_m, num_walls
+        )
+        size = np.sqrt(np.diag(H))
+        scaled = H / np.outer(size, size)
+        if not (size > 0.0).all() or not np.linalg.cond(scaled) < 1e10:
+            break
+        inverse = np.linalg.inv(scaled) / np.outer(size, size)
+        d = inverse @ b
+        pose += d[:3]
+        offset = d[3]
+        cov = inverse[:3, :3].copy()
+    return pose, cov, offset, sd, together, weights, rows
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def deviation(rows, offset, gate, least, most):  # type: ignore[no-untyped-def]
+    """Return the deviation of what lies within a gate of the border's offset, in its limits."""
+    near = np.empty(len(rows))
+    num = 0
+    for i in range(len(rows)):
+        off = abs(rows[i, 0] - offset)
+        if rows[i, 4] >= 0 and off <= gate:
+            near[num] = off
+            num += 1
+    if num == 0:
+        return most
+    return min(max(_TO_SD * np.median(near[:num]), least), most)
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def togetherness(rows, weights, num_walls):  # type: ignore[no-untyped-def]
+    """Return by how much means of neighbors vary more than those of independent pieces would."""
+    sums, counts = np.zeros(num_walls), np.zeros(num_walls)
+    for i in range(len(rows)):
+        if weights[i] > 0.0:
+            sums[int(rows[i, 4])] += rows[i, 0]
+            counts[int(rows[i, 4])] += 1.0
+    total, num, of_blocks, blocks = 0.0, 0.0, 0.0, 0.0
+    for first in range(0, len(rows) - BLOCK + 1, BLOCK):
+        block, inside = 0.0, 0.0
+        for i in range(first, first + BLOCK):
+            if weights[i] > 0.0:
+                wall = int(rows[i, 4])
+                off = rows[i, 0] - sums[wall] / counts[wall]
+                block += off
+                inside += 1.0
+                total += off * off
+                num += 1.0
+        if inside > 0.0:
+            of_blocks += block * block / inside
+            blocks += 1.0
+    if blocks < 4.0 or total <= 0.0:
+        return 1.0
+    return min(max(of_blocks / blocks / (total / num), 1.0), MOST_TOGETHER)
