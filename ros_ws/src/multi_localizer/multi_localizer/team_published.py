@@ -1,0 +1,131 @@
+"""Poses of a team as published (team paper, 3.2.3 and 3.3).
+
+The relative layout is turned by the heading of the base robot, the one whose own pose is best, and
+set on its place; its size comes from the landmarks. Each robot lies on the circle from which the
+two landmarks appear under the angle that it sees, and on the ray along which the base robot sees
+it: where they meet is its distance SL_i. The size is the mean of SL_i / SL_i^R, the distances in
+the layout. Not in the paper: which pose is best (here: the one with the least covariance), and any
+covariance (here: that of the base robot's pose and of the spread of the ratios).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from floornav_common.se2 import SE2, wrap_angle
+from multi_localizer.pose_estimate import PoseEstimate
+from multi_localizer.relative_layout import RelativeLayout, grow
+from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_problem import TeamProblem, make_problem
+from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
+from multi_localizer.two_landmarks import circle_distance, two_landmarks
+
+_LEAST_ROBOTS = 3
+_UNKNOWN_SIZE = 1.0  # share of itself: one ratio alone tells nothing of its spread
+
+
+def solve_published(
+    views: Sequence[RobotView],
+    landmarks: Mapping[str, np.ndarray],
+    config: TeamConfig | None = None,
+) -> TeamSolution:
+    """Tell who is who and where the robots are by the published steps; see `solve_team`."""
+    config = TeamConfig() if config is None else config
+    names = tuple(view.name for view in views)
+    problem_text = view_problem(views)
+    if not problem_text and len(views) < _LEAST_ROBOTS:
+        problem_text = f"{len(views)} robots make no triangle"
+    if problem_text:
+        return TeamSolution(names, problem=problem_text)
+    problem = make_problem(views, landmarks, config)
+    layout = None
+    for grown in grow(problem, config.published.angle_tolerance_rad):
+        layout = grown
+    if layout is None:
+        return TeamSolution(names, problem="no triangle holds", notes=problem.notes)
+    return _placed(problem, views, layout)
+
+
+def _placed(
+    problem: TeamProblem, views: Sequence[RobotView], layout: RelativeLayout
+) -> TeamSolution:
+    """Set the layout on the field (3.3)."""
+    relative = TeamSolution(
+        names=problem.names,
+        identities=_identities(problem, views, layout.owner),
+        relative={problem.names[i]: _pose(layout, i) for i in layout.robots},
+        notes=problem.notes,
+        num_triangles=layout.num_triangles,
+    )
+    known = [i for i in layout.robots if problem.has_prior[i]]
+    if not known:
+        return replace(relative, unobservable="no robot knows its own pose: place and turn")
+    cov = {i: np.linalg.inv(problem.prior_info[i]) for i in known}
+    base = min(known, key=lambda i: float(np.trace(cov[i][:2, :2])))
+    ratios = _ratios(problem, layout, base)
+    if not len(ratios):
+        return replace(relative, unobservable="no robot sees two landmarks: the team's size")
+    size = float(ratios.mean())
+    spread = ratios.std(ddof=1) / np.sqrt(len(ratios)) if len(ratios) > 1 else _UNKNOWN_SIZE * size
+    return replace(
+        relative,
+        estimates={
+            problem.names[i]: _estimate(problem, layout, base, i, size, float(spread), cov[base])
+            for i in layout.robots
+        },
+    )
+
+
+def _ratios(problem: TeamProblem, layout: RelativeLayout, base: int) -> np.ndarray:
+    """Return SL_i / SL_i^R of every robot for which both are there."""
+    place, turn = problem.prior[base, :2], problem.prior[base, 2] - layout.yaws[base]
+    ratios = []
+    for i in layout.robots:
+        seen = None if i == base else two_landmarks(problem, i)
+        if seen is None:
+            continue
+        arm = layout.places[i] - layout.places[base]
+        along = float(np.arctan2(arm[1], arm[0]) + turn)
+        rough = problem.prior[i, :2] if problem.has_prior[i] else None
+        far = circle_distance(place, along, seen, rough)
+        if far is not None:
+            ratios.append(far / float(np.hypot(*arm)))
+    return np.array(ratios)
+
+
+def _estimate(
+    problem: TeamProblem, layout: RelativeLayout, base: int, i: int, size: float, spread: float,
+    base_cov: np.ndarray,
+) -> PoseEstimate:  # fmt: skip
+    """Turn, stretch and move robot i's place in the layout (Fig. 6)."""
+    turn = problem.prior[base, 2] - layout.yaws[base]
+    c, s = np.cos(turn), np.sin(turn)
+    arm = np.array([[c, -s], [s, c]]) @ (layout.places[i] - layout.places[base])
+    place = problem.prior[base, :2] + size * arm
+    by_base = np.array([[1.0, 0.0, -size * arm[1]], [0.0, 1.0, size * arm[0]], [0.0, 0.0, 1.0]])
+    cov = by_base @ base_cov @ by_base.T
+    cov[:2, :2] += spread**2 * np.outer(arm, arm)
+    own = float(np.mean(problem.var)) if len(problem.var) else 0.0
+    cov += own * np.diag([float(size**2 * arm @ arm), float(size**2 * arm @ arm), 1.0])
+    yaw = wrap_angle(float(layout.yaws[i] + turn))
+    return PoseEstimate(SE2(float(place[0]), float(place[1]), yaw), cov)
+
+
+def _pose(layout: RelativeLayout, i: int) -> SE2:
+    x, y = layout.places[i]
+    return SE2(float(x), float(y), float(layout.yaws[i]))
+
+
+def _identities(
+    problem: TeamProblem, views: Sequence[RobotView], owner: np.ndarray
+) -> dict[str, np.ndarray]:
+    result = {}
+    for i, view in enumerate(views):
+        ids = np.full(len(view.bearings), NOBODY, dtype=np.int64)
+        part = slice(problem.start[i], problem.start[i + 1])
+        ids[problem.source[part]] = owner[part]
+        result[view.name] = ids
+    return result
