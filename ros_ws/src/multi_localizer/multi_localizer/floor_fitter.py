@@ -79,7 +79,7 @@ class FloorShapeFitter:
         self._walls = np.column_stack(
             (plan.corners, plan.tangents, plan.normals, plan.offsets, plan.lengths)
         )
-        self._places = places_of(plan)
+        self._places, self._model = places_of(plan), polygon_moments(plan.corners)
         c = self.config
         self._limits = (
             c.border_sd_px, c.max_sd_px, c.gate_sd, c.offset_sd_px, c.wall_sd_px, c.coarse_m
@@ -166,7 +166,7 @@ class FloorShapeFitter:
         points = border.values[:, :2] / border.values[:, 2:3]
         hull = cv2.convexHull(points.astype(np.float32))[:, 0].astype(float)
         try:
-            region, model = polygon_moments(hull), polygon_moments(self.plan.corners)
+            region, model = polygon_moments(hull), self._model
         except ValueError:
             return starts
         is_even = len(self.plan.symmetries) > 1

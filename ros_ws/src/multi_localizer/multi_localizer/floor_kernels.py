@@ -43,14 +43,12 @@ def residuals(values, step, pose, walls, out):  # type: ignore[no-untyped-def]
         best, wall = 0.0, -1
         for w in range(num_walls):
             facing = walls[w, 4] * ex + walls[w, 5] * ey
-            if facing * best >= gap[w] * best and best > 0.0 and facing <= best * gap[w]:
-                continue
-            if facing <= 0.0 or gap[w] <= 0.0:
+            if facing <= 0.0 or gap[w] <= 0.0 or facing <= best * gap[w]:
                 continue
             r = gap[w] / facing
             along = (pose[0] + r * ex - walls[w, 0]) * walls[w, 2]
             along += (pose[1] + r * ey - walls[w, 1]) * walls[w, 3]
-            if -1e-9 <= along <= walls[w, 7] + 1e-9 and facing > best * gap[w]:
+            if -1e-9 <= along <= walls[w, 7] + 1e-9:
                 best, wall = facing / gap[w], w
         out[num, 4] = wall
         out[num, 5] = best

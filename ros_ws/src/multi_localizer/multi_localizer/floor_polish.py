@@ -10,6 +10,7 @@ from multi_localizer.floor_kernels import NUM_VALUES, gate_weights, normal_equat
 MARGIN = 2  # pieces left out on both sides of an obstacle
 BLOCK = 8  # pieces, about as far as neighbors err together
 MOST_TOGETHER = 8.0
+STILL = 0.1  # deviations of the pose: a step below this is the last but one
 _TO_SD = 1.4826
 
 
@@ -23,7 +24,7 @@ def polish(values, start, offset, walls, limits, num_iterations):  # type: ignor
         offset: Of the border, px.
         walls: As in `residuals`.
         limits: border_sd, max_sd, gate_sd, offset_sd, wall_sd, coarse_m.
-        num_iterations: Steps.
+        num_iterations: Steps at most.
 
     Returns:
         The pose (3,), covariance (3, 3), offset, deviation of a piece of border, how much more
@@ -34,11 +35,13 @@ def polish(values, start, offset, walls, limits, num_iterations):  # type: ignor
     rows, weights = np.empty((len(values), NUM_VALUES)), np.empty(len(values))
     sd, together = max_sd, 1.0
     cov = np.full((3, 3), np.inf)
+    is_last = False
     for step in range(num_iterations):
+        is_last = is_last or step == num_iterations - 1
         residuals(values, 1, pose, walls, rows)
         sd = deviation(rows, offset, gate_sd * sd, border_sd, max_sd)
         gate_weights(rows, offset, gate_sd * sd, MARGIN, weights)
-        if step == num_iterations - 1:
+        if is_last:
             together = togetherness(rows, weights, num_walls)
         H, b = normal_equations(
             rows, weights, sd * np.sqrt(together), offset_sd, wall_sd, coarse_m, num_walls
@@ -52,6 +55,9 @@ def polish(values, start, offset, walls, limits, num_iterations):  # type: ignor
         pose += d[:3]
         offset = d[3]
         cov = inverse[:3, :3].copy()
+        if is_last:
+            break
+        is_last = (d[:3] ** 2 < STILL**2 * np.diag(cov)).all()
     return pose, cov, offset, sd, together, weights, rows
 
 

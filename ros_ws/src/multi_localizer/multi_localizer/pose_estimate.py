@@ -28,7 +28,7 @@ class PoseEstimate:
         cov = np.array(self.cov, dtype=float)
         if cov.shape != (3, 3) or not np.all(np.isfinite(cov)):
             raise ValueError(f"cov must be (3, 3) and finite, got {cov.tolist()}")
-        if not np.allclose(cov, cov.T, rtol=1e-6, atol=1e-12):
+        if (abs(cov - cov.T) > 1e-6 * abs(cov) + 1e-12).any():
             raise ValueError(f"cov must be symmetric, got {cov.tolist()}")
         cov = 0.5 * (cov + cov.T)
         if np.linalg.eigvalsh(cov)[0] <= 0.0:
