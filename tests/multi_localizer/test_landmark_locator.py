@@ -17,7 +17,7 @@ from multi_localizer.pose_estimate import difference, normalized_error
 CONFIG = LandmarkConfig()
 SD = CONFIG.bearing_sd_rad
 FIELD = load_landmarks("middle_size_field")
-ENDS = {kind: marks for kind, marks in FIELD.items() if marks[0].seen != "middle"}
+ENDS = FIELD
 POLES: Landmarks = {
     "pole": tuple(Landmark((p,)) for p in ((4.0, 0.3), (-4.0, 1.0), (0.5, 3.0), (1.5, -2.5)))
 }

@@ -42,10 +42,12 @@ def test_moving_all_moves_what_is_seen(dx: float, dy: float, x: float, y: float)
         assert there == pytest.approx(Landmark(BOX, seen).point_seen(place) + shift, abs=1e-6)
 
 
-def test_the_packages_field_loads() -> None:
-    field = load_landmarks("middle_size_field")
-    assert {"goal_yellow", "goal_blue"} <= set(field)
-    assert positions(field)["goal_blue"][0] == pytest.approx([-4.385, 0.0])
+def test_the_packages_fields_load() -> None:
+    ends = positions(load_landmarks("middle_size_field"))
+    assert ends["goal_blue_left"][0] == pytest.approx([-4.11, -0.8])
+    assert ends["goal_yellow_left"][0] == pytest.approx([4.11, 0.8])
+    goals = positions(load_landmarks("middle_size_goals"))
+    assert goals["goal_blue"][0] == pytest.approx([-4.385, 0.0])
 
 
 def test_several_of_a_class_are_kept_in_order(tmp_path: Path) -> None:

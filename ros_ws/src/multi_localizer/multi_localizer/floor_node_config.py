@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from floornav_common.config import param, validate
+from multi_localizer.floor_config import FloorFitConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,3 +83,14 @@ class FloorLocalizerConfig:
         validate(self)
         if self.publish_tf and not self.use_odom:
             raise ValueError("publish_tf needs use_odom: without odometry there is no map->odom")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FloorPoseConfig:
+    """The pose from the floor's shape: from each mask, and over time."""
+
+    fit: FloorFitConfig = FloorFitConfig()
+    track: FloorTrackConfig = FloorTrackConfig()
+
+    def __post_init__(self) -> None:
+        validate(self)

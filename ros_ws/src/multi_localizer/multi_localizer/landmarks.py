@@ -53,6 +53,13 @@ class Landmark:
 
     @cached_property
     def position(self) -> np.ndarray:
+        """One point for it, (2,), m: the middle, or the end that is seen from the map's origin."""
+        if self.seen == "middle":
+            return self.middle
+        return np.asarray(self.points_seen(np.zeros((1, 2)))[0])
+
+    @cached_property
+    def middle(self) -> np.ndarray:
         """Middle of the outline's box, (2,), m."""
         corners = np.array(self.corners)
         return np.asarray(0.5 * (corners.min(axis=0) + corners.max(axis=0)))
@@ -60,13 +67,13 @@ class Landmark:
     def point_seen(self, place: np.ndarray) -> np.ndarray:
         """Return the point, (2,), that a bearing from `place` (2,) is taken of."""
         if len(self.corners) == 1:
-            return self.position
+            return self.middle
         return np.asarray(self.points_seen(place[None])[0])
 
     def points_seen(self, places: np.ndarray) -> np.ndarray:
         """Return the points, (N, 2), that bearings from places (N, 2) are taken of."""
         if len(self.corners) == 1:
-            return np.broadcast_to(self.position, places.shape)
+            return np.broadcast_to(self.middle, places.shape)
         right, left = self.ends_seen(places)
         if self.seen != "middle":
             return left if self.seen == "left" else right
@@ -79,7 +86,7 @@ class Landmark:
     def ends_seen(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the corners seen farthest right and left from places outside, (N, 2) each."""
         corners = np.array(self.corners)
-        rays, middles = corners - places[:, None], (self.position - places)[:, None]
+        rays, middles = corners - places[:, None], (self.middle - places)[:, None]
         cross = middles[..., 0] * rays[..., 1] - middles[..., 1] * rays[..., 0]
         turns = np.arctan2(cross, (rays * middles).sum(axis=-1))  # of corners from the middle
         return corners[turns.argmin(axis=1)], corners[turns.argmax(axis=1)]

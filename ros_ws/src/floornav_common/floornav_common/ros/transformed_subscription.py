@@ -45,6 +45,8 @@ class TransformedSubscription:
         qos: Profile.
         target_frame: Frame to bring the data to.
         callback: Called with the message and a `Transform3`.
+        sensor_frame: Frame of the data, full name, where it is not the header's: a mask of the
+            floor is in the camera's frame, what it shows in that of the floor.
 
     Attributes:
         topic: Full name of the topic.
@@ -63,8 +65,10 @@ class TransformedSubscription:
         qos: QoSProfile,
         target_frame: str,
         callback: Callable[[Any, Transform3], None],
+        sensor_frame: str = "",
     ) -> None:
         """Subscribe, to the transforms too."""
+        self._sensor_frame = sensor_frame
         self.target_frame = target_frame
         self.num_received = self.num_delivered = self.num_dropped = self.num_behind = 0
         self._node = node
@@ -138,7 +142,7 @@ class TransformedSubscription:
 
     def _drop_untransformed(self, waiting: Waiting, reason: str) -> None:
         self._error = reason
-        frame = waiting.msg.header.frame_id
+        frame = self._frame(waiting.msg)
         self._drop(f"no transform from '{frame}' to '{self.target_frame}' in time", reason)
 
     def _drop(self, problem: str, reason: str = "") -> None:
@@ -153,11 +157,13 @@ class TransformedSubscription:
     def _find(self, waiting: Waiting) -> Transform3 | None:
         buffer = self._node.transforms.buffer
         try:
-            frame = waiting.msg.header.frame_id
-            return buffer.lookup(self.target_frame, frame, waiting.stamp_ns)
+            return buffer.lookup(self.target_frame, self._frame(waiting.msg), waiting.stamp_ns)
         except (TransformUnavailable, ValueError) as error:
             self._error = str(error)
             return None
+
+    def _frame(self, msg: Any) -> str:
+        return self._sensor_frame or str(msg.header.frame_id)
 
     def _restart(self) -> None:
         self._queue.clear()

@@ -1,1 +1,13 @@
 """The executables that are nodes; each imports its node once a signal can end it cleanly."""
+
+from floornav_common.start import start_node
+
+
+def floor_localizer() -> int:
+    """Start the node `floor_localizer`."""
+    return start_node("multi_localizer.nodes.floor_localizer_node")
+
+
+def landmark_localizer() -> int:
+    """Start the node `landmark_localizer`."""
+    return start_node("multi_localizer.nodes.landmark_localizer_node")

@@ -1,0 +1,138 @@
+"""The pose from landmarks that a camera sees in directions.
+
+In: `bearings/<class>` (PoseArray, for each class of the file `landmarks`); with `method: floor` too
+`floor/mask` (Image mono8: how far away landmarks stand), TF base_link->omni_camera_floor; with
+`publish_tf` odom->base_link or `odom` (Odometry).
+Out: `landmark_pose` (PoseWithCovarianceStamped of base_link in map; nothing while it is not known),
+TF map->odom with `publish_tf`.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from functools import partial
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseArray
+from sensor_msgs.msg import Image
+
+from floornav_common.camera_files import load_camera_model
+from floornav_common.ros.main import run_node
+from floornav_common.ros.messages import image_to_array, ns_to_stamp, stamp_to_ns
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.odometry import OdometryFallback
+from floornav_common.ros.parameters import ParameterError, declare_config
+from floornav_common.ros.qos import RELIABLE_QOS, SENSOR_QOS, create_subscription
+from floornav_common.ros.transformed_subscription import TransformedSubscription
+from floornav_common.ros.watchdog import Watchdog
+from floornav_common.se2 import SE2
+from floornav_common.transform3 import Transform3
+from floornav_common.transform_errors import TransformUnavailable
+from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig
+from multi_localizer.landmark_views import LandmarkViews
+from multi_localizer.landmarks import load_landmarks
+from multi_localizer.nodes.landmark_report import LandmarkReport
+from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
+from multi_localizer.pose_estimate import moved
+from multi_localizer.ros_conversions import bearings_from_msg
+from multi_localizer.stamp_groups import StampGroups
+
+MASK = "floor/mask"
+
+
+class LandmarkLocalizerNode(FloornavNode):
+    """Puts together what is seen at one moment, and publishes the pose it gives."""
+
+    def __init__(self) -> None:
+        """Declare, load the landmarks, subscribe, and say ready."""
+        super().__init__("landmark_localizer")
+        config = self._config = declare_config(self, LandmarkNodeConfig)
+        tuning = declare_config(self, LandmarkConfig, on_change=self._tune)
+        self._views = self._make_views(config, tuning)
+        self._groups = StampGroups(round(config.wait_s * 1e9))
+        self._outputs = LocalizerOutputs(self, "landmark_pose", config.publish_tf)
+        self._odometry = OdometryFallback(self) if config.publish_tf else None
+        self._watchdog = Watchdog(self, "bearings", config.input_timeout_s)
+        self._report = LandmarkReport(self._watchdog, self._outputs, self._groups)
+        self.diagnostics.add("landmark pose", self._report.status)
+        self._topics = [
+            TransformedSubscription(
+                self, PoseArray, f"bearings/{kind}", RELIABLE_QOS, self.frames.base,
+                partial(self._on_bearings, kind),
+            )
+            for kind in self._views.kinds
+        ]  # fmt: skip
+        if config.method == "floor":
+            create_subscription(self, Image, MASK, self._on_mask, SENSOR_QOS)
+        self.transforms.on_restart(self._groups.clear)
+        self.time.on_look(self._look)
+        self.ready()
+
+    def _make_views(self, config: LandmarkNodeConfig, tuning: LandmarkConfig) -> LandmarkViews:
+        try:
+            is_floor = config.method == "floor"
+            camera = load_camera_model(config.camera_model) if is_floor else None
+            return LandmarkViews(load_landmarks(config.landmarks), tuning, camera)
+        except (ValueError, OSError) as error:
+            raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
+
+    def _tune(self, config: LandmarkConfig) -> None:
+        self._views.reconfigure(config)
+
+    def _on_bearings(self, kind: str, msg: Any, T_base_sensor: Transform3) -> None:
+        self._watchdog.feed()
+        self._add(kind, msg, (bearings_from_msg(msg), T_base_sensor.to_se2()))
+
+    def _on_mask(self, msg: Any) -> None:
+        try:
+            self._add(MASK, msg, image_to_array(msg, "mono8"))
+        except ValueError as error:
+            self._report.refuse(f"{MASK}: {error}")
+
+    def _add(self, key: str, msg: Any, value: Any) -> None:
+        stamp_ns = stamp_to_ns(msg.header.stamp)
+        for group in self._groups.add(key, stamp_ns, value, self.time.steady_ns()):
+            self._locate(*group)
+
+    def _look(self) -> None:
+        for group in self._groups.overdue(self.time.steady_ns()):
+            self._locate(*group)
+        if self._report.is_lost and not self.time.is_stopped:
+            self._outputs.stop_tf()
+
+    def _locate(self, stamp_ns: int, group: dict[str, Any]) -> None:
+        mask: np.ndarray | None = group.pop(MASK, None)
+        if not group:
+            return
+        started = time.perf_counter()
+        T_base_sensor: SE2 = next(iter(group.values()))[1]
+        bearings = {kind: values for kind, (values, _) in group.items()}
+        try:
+            fix = self._views.locate(bearings, mask)
+        except ValueError as error:
+            self._report.refuse(str(error))
+            return
+        self._report.note(fix, bearings, 1e3 * (time.perf_counter() - started))
+        if fix.estimate is not None:
+            base = moved(fix.estimate, T_base_sensor.inverse())
+            self._outputs.send(ns_to_stamp(stamp_ns), base, self._odometry_at(stamp_ns))
+
+    def _odometry_at(self, stamp_ns: int) -> SE2 | None:
+        if not self._config.publish_tf:
+            return None
+        frames, buffer = self.frames, self.transforms.buffer
+        try:
+            return buffer.lookup(frames.odom, frames.base, stamp_ns).to_se2()
+        except (TransformUnavailable, ValueError):
+            return None
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run_node(LandmarkLocalizerNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,70 @@
+"""What is seen at one moment comes in several messages of one stamp: put together again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_MAX_OPEN = 20
+
+
+class StampGroups:
+    """Collects values by stamp until all that usually come are there, or time is up.
+
+    Groups leave in the order of their stamps. What comes for a group that has left is late and
+    does not count.
+
+    Args:
+        wait_ns: How long a group waits for the rest.
+
+    Attributes:
+        num_late: Values that came too late.
+    """
+
+    def __init__(self, wait_ns: int) -> None:
+        self._wait_ns = wait_ns
+        self.num_late = 0
+        self._usual: dict[str, int] = {}
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget what waits: the clock jumped back."""
+        self._open: dict[int, dict[str, Any]] = {}
+        self._since_ns: dict[int, int] = {}
+        self._left_ns = -1
+
+    def add(self, key: str, stamp_ns: int, value: Any, now_ns: int) -> list[tuple[int, dict]]:
+        """Take a value; return the groups that are ready now, the oldest first.
+
+        Args:
+            key: What it is; the second of one key and stamp does not count.
+            stamp_ns: Its stamp.
+            value: The value.
+            now_ns: Any clock that goes on.
+        """
+        self._usual[key] = stamp_ns
+        if stamp_ns <= self._left_ns:
+            self.num_late += 1
+            return []
+        self._open.setdefault(stamp_ns, {}).setdefault(key, value)
+        self._since_ns.setdefault(stamp_ns, now_ns)
+        complete = [t for t, group in self._open.items() if self._is_complete(t, group)]
+        return self._leave(max(complete)) if complete else self.overdue(now_ns)
+
+    def overdue(self, now_ns: int) -> list[tuple[int, dict]]:
+        """Return the groups that have waited long enough, and those before them."""
+        late = [t for t, since in self._since_ns.items() if now_ns - since >= self._wait_ns]
+        if len(self._open) > _MAX_OPEN:
+            late.append(min(self._open))
+        return self._leave(max(late)) if late else []
+
+    def _is_complete(self, stamp_ns: int, group: dict[str, Any]) -> bool:
+        """Tell whether all keys that came of late are there; one long silent is not waited for."""
+        oldest = stamp_ns - 10 * self._wait_ns
+        return all(key in group for key, newest in self._usual.items() if newest >= oldest)
+
+    def _leave(self, newest_ns: int) -> list[tuple[int, dict]]:
+        ready = sorted(t for t in self._open if t <= newest_ns)
+        self._left_ns = newest_ns
+        for stamp_ns in ready:
+            del self._since_ns[stamp_ns]
+        return [(stamp_ns, self._open.pop(stamp_ns)) for stamp_ns in ready]
