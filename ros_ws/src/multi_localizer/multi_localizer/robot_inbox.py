@@ -59,6 +59,8 @@ class RobotInbox:
         config: Which messages belong together.
         classes: What its bearings may be of.
         mount: Its camera in its base_link; None until known.
+        mount_problem: What to say while it is not.
+        problem: Why nothing of it is to be used, in words; "" for none.
         clock: Its clock against ours.
         counts: Of messages by what became of them.
         heard_ns: When its last bearings came, on the clock that silence is counted on.
@@ -68,6 +70,8 @@ class RobotInbox:
     config: TeamTimingConfig
     classes: Classes = Classes()
     mount: SE2 | None = None
+    mount_problem: str = "where its camera sits is not known"
+    problem: str = ""
     clock: TeammateClock = field(default_factory=TeammateClock)
     counts: Counter[str] = field(default_factory=Counter)
     heard_ns: int | None = None
@@ -79,6 +83,16 @@ class RobotInbox:
     def newest_ns(self) -> int | None:
         """Stamp of its newest bearings to robots, by our clock."""
         return self._of(ROBOTS).newest_ns
+
+    @property
+    def complete_ns(self) -> int | None:
+        """Stamp up to which bearings of all classes have come that it sends at present."""
+        newest_ns = self.newest_ns
+        if newest_ns is None:
+            return None
+        old_ns = newest_ns - round(self.config.robot_timeout_s * 1e9)
+        others = [values.newest_ns for values in self._bearings.values()]
+        return min(ns for ns in others if ns is not None and ns > old_ns)
 
     def take_bearings(self, kind: str, stamp_ns: int, bearings: np.ndarray, now_ns: int) -> bool:
         """Take bearings of a class, shape (M,); return whether they are new."""
@@ -100,10 +114,26 @@ class RobotInbox:
         start, end = self._odometry_at(from_ns), self._odometry_at(to_ns)
         return None if start is None or end is None else start.between(end)
 
+    def camera_motion(self, from_ns: int, to_ns: int) -> SE2 | None:
+        """Return its camera at one stamp seen from that at another; None where not known."""
+        motion = self.motion(from_ns, to_ns)
+        if motion is None or self.mount is None:
+            return None
+        return self.mount.inverse() @ motion @ self.mount
+
+    def carried_base(self, estimate: PoseEstimate, from_ns: int, to_ns: int) -> PoseEstimate | None:
+        """Return a pose of its base brought to another stamp; None where that is too far off."""
+        apart_s = abs(to_ns - from_ns) / 1e9
+        if apart_s > self.config.pose_max_age_s:
+            return None
+        return propagate(estimate, *self._step(self.motion(from_ns, to_ns), apart_s))
+
     def sight_at(self, stamp_ns: int) -> Sight | str:
         """Return what it tells of a moment, or why nothing."""
         if self.mount is None:
-            return "where its camera sits is not known"
+            return self.problem or self.mount_problem
+        if self.problem:
+            return self.problem
         found = self._of(ROBOTS).nearest(stamp_ns)
         if found is None:
             return "no bearings"
@@ -174,11 +204,8 @@ class RobotInbox:
         if nearest is None or self.mount is None:
             return None
         pose_ns, estimate = nearest
-        apart_s = abs(stamp_ns - pose_ns) / 1e9
-        if apart_s > self.config.pose_max_age_s:
-            return None
-        motion = self.motion(pose_ns, stamp_ns)
-        return moved(propagate(estimate, *self._step(motion, apart_s)), self.mount)
+        base = self.carried_base(estimate, pose_ns, stamp_ns)
+        return None if base is None else moved(base, self.mount)
 
     def _step(self, motion: SE2 | None, apart_s: float) -> tuple[SE2, np.ndarray]:
         """Return a motion with its covariance; none known: it stood still, more or less."""

@@ -133,7 +133,7 @@ class TeamInbox:
         if (passed_ns - since_ns) / 1e9 >= self._config.wait_s:
             return True
         awaited = [r for name, r in self.robots.items() if self.is_present(name, passed_ns)]
-        return all(r.newest_ns is not None and r.newest_ns >= stamp_ns for r in awaited)
+        return all(r.complete_ns is not None and r.complete_ns >= stamp_ns for r in awaited)
 
     def _away(self, name: str, passed_ns: int) -> str:
         if self.robots[name].heard_ns is None:

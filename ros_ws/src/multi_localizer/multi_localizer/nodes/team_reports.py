@@ -1,0 +1,148 @@
+"""What the team's localizer says of itself: one part for the team, one for each robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
+from floornav_common.ros.node import FloornavNode
+from multi_localizer.clock_offsets import clock_problem
+from multi_localizer.robot_inbox import RobotInbox
+from multi_localizer.team_answers import TeamAnswer
+from multi_localizer.team_inbox import TeamInbox
+from multi_localizer.team_node_config import TeamTimingConfig
+from multi_localizer.team_views import NOBODY
+
+FEWEST = 3
+"""Robots that make a triangle."""
+
+
+class TeamReports:
+    """Adds the parts to the node's diagnostics.
+
+    Args:
+        node: The node.
+        inbox: Of the team.
+        own: Namespace of this robot; "" if it is none of them.
+        timing: Current values.
+    """
+
+    def __init__(
+        self,
+        node: FloornavNode,
+        inbox: TeamInbox,
+        own: str,
+        timing: Callable[[], TeamTimingConfig],
+    ) -> None:
+        """Add them."""
+        self._node, self._inbox, self._own, self._timing = node, inbox, own, timing
+        self._answer: TeamAnswer | None = None
+        self._answered_ns = 0
+        self._ms = 0.0
+        node.diagnostics.add("team", self.team_status)
+        for name in inbox.robots:
+            node.diagnostics.add(f"robot {name}", lambda name=name: self.robot_status(name))
+
+    def take(self, answer: TeamAnswer, passed_ns: int, ms: float) -> None:
+        """Take the newest answer."""
+        self._answer, self._answered_ns, self._ms = answer, passed_ns, ms
+
+    def forget(self) -> None:
+        """Start anew."""
+        self._answer = None
+
+    def is_fresh(self, passed_ns: int) -> bool:
+        """Whether there is an answer that is not old."""
+        old_ns = round(self._timing().robot_timeout_s * 1e9)
+        return self._answer is not None and passed_ns - self._answered_ns <= old_ns
+
+    def team_status(self) -> Status:
+        """Return how the team as a whole is."""
+        passed_ns = self._node.time.read_ns()
+        answer, num = self._answer, len(self._inbox.robots)
+        if answer is None or not self.is_fresh(passed_ns):
+            text = "no robot's bearings arrive" if not self._inbox.leader(passed_ns) else "waiting"
+            if self._own and not self._inbox.is_present(self._own, passed_ns):
+                text += ", this robot's neither"
+            return Status(STALE, text, {"robots": num})
+        solution = answer.solution
+        values = {
+            "robots": num,
+            "robots that told": len(answer.moment.sights),
+            "robots located": len(answer.bases),
+            "time of solving (ms)": f"{self._ms:.2f}",
+            "largest correction of a bearing (deg)": f"{math.degrees(answer.most_change):.2f}",
+            "objects located": len(solution.objects),
+            "notes": "; ".join(solution.notes),
+        }
+        return Status(*self._verdict(answer), values)
+
+    def _verdict(self, answer: TeamAnswer) -> tuple[bytes, str]:
+        solution, moment = answer.solution, answer.moment
+        doubts = [f"{name}: {why}" for name, why in moment.missing.items()]
+        doubts += [f"{name} contradicts the others" for name in solution.suspects]
+        if solution.unobservable:
+            doubts.append(solution.unobservable)
+        if len(moment.sights) < FEWEST:
+            doubts.insert(0, f"{len(moment.sights)} robots tell, {FEWEST} make a triangle")
+        if solution.problem or not answer.bases:
+            return ERROR, "; ".join([solution.problem or "no robot located", *doubts])
+        if self._own and self._own not in answer.bases:
+            return ERROR, "; ".join(["this robot is not located", *doubts])
+        located = f"{len(answer.bases)} of {len(self._inbox.robots)} robots located"
+        return (WARN, "; ".join([located, *doubts])) if doubts else (OK, located)
+
+    def robot_status(self, name: str) -> Status:
+        """Return how one robot is, as seen from here."""
+        robot, passed_ns = self._inbox.robots[name], self._node.time.read_ns()
+        values = {**_clock_values(robot), **{k: robot.counts[k] for k in sorted(robot.counts)}}
+        clock = ""
+        if name != self._own:
+            clock = clock_problem(robot.clock.offset, round(self._timing().max_skew_s * 1e9))
+        if robot.problem:
+            return Status(ERROR, robot.problem, values)
+        if not self._inbox.is_present(name, passed_ns):
+            return Status(STALE, "; ".join(filter(None, [self._silence(name), clock])), values)
+        if self._answer is None:
+            return Status(WARN, "; ".join(filter(None, ["no answer yet", clock])), values)
+        level, text = self._part(name, self._answer, values)
+        if clock and clock not in text:
+            level, text = max(level, WARN), f"{text}; {clock}"
+        return Status(level, text, values)
+
+    def _silence(self, name: str) -> str:
+        is_known = self._inbox.robots[name].heard_ns is not None
+        return f"no bearings on /{name}/bearings/robots" + (" any more" if is_known else "")
+
+    def _part(self, name: str, answer: TeamAnswer, values: dict[str, object]) -> tuple[bytes, str]:
+        """Return its part in the newest answer."""
+        if name in answer.moment.missing:
+            return WARN, answer.moment.missing[name]
+        sight = answer.moment.sights[name]
+        identities = answer.solution.identities.get(name, np.zeros(0, dtype=int))
+        skew_ns = sight.stamp_ns - answer.moment.stamp_ns
+        values["bearings"] = len(sight.view.bearings)
+        values["bearings with a name"] = int(np.count_nonzero(identities != NOBODY))
+        values["taken after the moment (s)"] = f"{skew_ns / 1e9:.3f}"
+        values["has its own pose"] = sight.view.rough is not None
+        if name in answer.solution.suspects:
+            return ERROR, "contradicts the others: its bearings or its own pose are wrong"
+        if name not in answer.bases:
+            return WARN, answer.solution.unobservable or answer.solution.problem or "not located"
+        sd = np.sqrt(np.diag(answer.bases[name].cov))
+        values["deviation (m)"] = f"{math.hypot(sd[0], sd[1]):.3f}"
+        values["deviation (deg)"] = f"{math.degrees(sd[2]):.2f}"
+        if sight.view.rough is None:
+            return WARN, "located without a pose of its own"
+        return OK, "located"
+
+
+def _clock_values(robot: RobotInbox) -> dict[str, object]:
+    offset = robot.clock.offset
+    if offset is None:
+        return {"clock offset (s)": "not known"}
+    error = "one way" if offset.error_ns is None else f"{offset.error_ns / 1e9:.4f}"
+    return {"clock offset (s)": f"{offset.offset_ns / 1e9:.4f}", "its error (s)": error}

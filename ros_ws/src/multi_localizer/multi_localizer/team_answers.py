@@ -1,0 +1,89 @@
+"""From a moment to poses: two rounds of the solver, rough poses carried from the answer before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from floornav_common.se2 import SE2
+from multi_localizer.landmarks import Landmarks, positions
+from multi_localizer.pose_estimate import PoseEstimate, moved
+from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_corrections import corrected_views
+from multi_localizer.team_inbox import Moment, TeamInbox
+from multi_localizer.team_solver import solve_team
+from multi_localizer.team_views import RobotView, TeamSolution
+
+_WORTH_SD = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class TeamAnswer:
+    """What a moment came to.
+
+    Attributes:
+        moment: What was seen.
+        solution: Of the cameras.
+        bases: Poses of base_link by name, of the robots that may be believed.
+        most_change: By how much a bearing was corrected at most, rad.
+    """
+
+    moment: Moment
+    solution: TeamSolution
+    bases: Mapping[str, PoseEstimate]
+    most_change: float = 0.0
+
+
+class TeamAnswers:
+    """Solves one moment after the other.
+
+    Args:
+        inbox: Of the team, for its motion.
+        landmarks: By class.
+        config: Of the solver.
+    """
+
+    def __init__(self, inbox: TeamInbox, landmarks: Landmarks, config: TeamConfig) -> None:
+        """Start without an answer."""
+        self.config = config
+        self.poses_use_landmarks = True
+        self._inbox, self._landmarks = inbox, landmarks
+        self._positions = positions(landmarks)
+        self._last: TeamAnswer | None = None
+
+    def solve(self, moment: Moment) -> TeamAnswer:
+        """Return the poses at a moment."""
+        views = tuple(self._prepared(view, moment.stamp_ns) for view in moment.views)
+        solution = solve_team(views, self._positions, self.config)
+        changed, most = corrected_views(moment, solution, self._landmarks, self._motion)
+        if most > _WORTH_SD * self.config.bearing_sd_rad:
+            views = tuple(self._prepared(view, moment.stamp_ns) for view in changed)
+            solution = solve_team(views, self._positions, self.config)
+        self._last = TeamAnswer(moment, solution, self._bases(solution), most)
+        return self._last
+
+    def forget(self) -> None:
+        """Start anew: the clock jumped."""
+        self._last = None
+
+    def _motion(self, name: str, from_ns: int, to_ns: int) -> SE2 | None:
+        return self._inbox.robots[name].camera_motion(from_ns, to_ns)
+
+    def _prepared(self, view: RobotView, stamp_ns: int) -> RobotView:
+        """Return a view with a start for the search, and whether that is evidence."""
+        if view.rough is not None:
+            return replace(view, rough_from_landmarks=self.poses_use_landmarks)
+        last, robot = self._last, self._inbox.robots[view.name]
+        if last is None or view.name not in last.bases or robot.mount is None:
+            return view
+        base = robot.carried_base(last.bases[view.name], last.moment.stamp_ns, stamp_ns)
+        guess = None if base is None else moved(base, robot.mount)
+        return replace(view, rough=guess, rough_from_landmarks=True)
+
+    def _bases(self, solution: TeamSolution) -> dict[str, PoseEstimate]:
+        bases = {}
+        for name, estimate in solution.estimates.items():
+            mount = self._inbox.robots[name].mount
+            if mount is not None and name not in solution.suspects:
+                bases[name] = moved(estimate, mount.inverse())
+        return bases

@@ -1,0 +1,129 @@
+"""A team on two hosts, over a cable that loses, delays and doubles what it carries."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
+pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
+
+from conftest import NodeProcess
+from hosts import TwoHosts, why_not
+from lossy_link import plan, without_checksum
+from team_scene import POSES, write_landmarks
+
+HERE = Path(__file__).parent
+NODE = (HERE / "listening.py", "multi_localizer.nodes.team_localizer_node")
+TEAM = ("r1", "r2", "r3")
+AHEAD_S = 0.7
+LINK = ("--loss", "0.15", "--delay", "0.01", "--double", "0.2", "--seed", "1")
+NEAR_M = 0.15
+NO_HOSTS = why_not()
+
+
+@pytest.fixture
+def hosts() -> Iterator[TwoHosts]:
+    made = TwoHosts()
+    yield made
+    made.remove()
+
+
+@pytest.fixture
+def run(hosts: TwoHosts, domain: int) -> Iterator[Callable[..., NodeProcess]]:
+    """Return a function that starts a command; discovery reaches to the other host, no further."""
+    env = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
+    started: list[NodeProcess] = []
+
+    def _run(command: list[str]) -> NodeProcess:
+        started.append(NodeProcess(command, env))
+        return started[-1]
+
+    yield _run
+    for process in reversed(started):
+        process.kill()
+
+
+def numbers(line: str) -> list[float]:
+    return [float(word) for word in re.findall(r"(?:nan|-?[0-9.]+(?:e-?[0-9]+)?)(?= |$)", line)]
+
+
+def wait_for(process: NodeProcess, is_it: Callable[[str], bool], what: str) -> str:
+    """Return the first line that is so."""
+    end = time.monotonic() + 90.0
+    while time.monotonic() < end:
+        for line in list(process.lines):
+            if is_it(line):
+                return line
+        time.sleep(0.1)
+    pytest.fail(f"no {what}; last said:\n" + "\n".join(process.lines[-20:]))
+
+
+def has_all(line: str) -> bool:
+    """Whether a line of `team/poses` has every robot near where it is."""
+    if not line.startswith("team/poses "):
+        return False
+    places = np.array(numbers(line)).reshape(-1, 2)
+    true = np.array([[POSES[n].x, POSES[n].y] for n in TEAM])
+    return places.shape == true.shape and bool(np.all(np.hypot(*(places - true).T) < NEAR_M))
+
+
+@pytest.mark.skipif(bool(NO_HOSTS), reason=f"NOT TESTED between separate hosts: {NO_HOSTS}")
+def test_a_team_on_two_hosts_over_a_bad_line_with_a_clock_that_is_wrong(
+    hosts: TwoHosts, run: Any, tmp_path: Path
+) -> None:
+    """Robots r1 and r3 are on one host, r2 on another whose clock is 0.7 s ahead."""
+    place = write_landmarks(tmp_path)
+    words = ("--ros-args", "-p", f"team:=[{', '.join(TEAM)}]", "-p", f"landmarks:={place}")
+    run(hosts.link_command(*LINK)).wait_for("linked")
+    first = run(hosts.command("a", *NODE, *words, "-r", "__ns:=/r1"))
+    clock = ("-p", "use_sim_time:=true", "-r", "/clock:=/r2/clock")
+    second = run(hosts.command("b", *NODE, *words, "-r", "__ns:=/r2", *clock))
+    cameras = HERE / "team_cameras.py"
+    near = run(hosts.command("a", cameras, "r1", "r3", "--team", *TEAM))
+    far = run(hosts.command("b", cameras, "r2", "--team", *TEAM, "--ahead", str(AHEAD_S)))
+    for process in (first, second):
+        process.wait_for("ready")
+    wait_for(near, has_all, "poses of all three on the first host")
+    line = wait_for(
+        near, lambda text: text.startswith("says r2 located") and "error (s)=0" in text,
+        "offset of the other host's clock",
+    )  # fmt: skip
+    offset, error = (
+        float(re.search(rf"{re.escape(key)}=(-?[0-9.]+);", line)[1])
+        for key in ("clock offset (s)", "its error (s)")
+    )
+    assert abs(offset - AHEAD_S) <= error + 0.05 and error < 0.5
+    pose = numbers(wait_for(far, lambda text: text.startswith("team_pose"), "pose of r2"))
+    assert math.hypot(pose[0] - POSES["r2"].x, pose[1] - POSES["r2"].y) < NEAR_M
+
+
+def test_the_cable_loses_delays_and_doubles_by_its_seed() -> None:
+    def draw() -> list[list[float]]:
+        rng = np.random.default_rng(3)
+        return [plan(rng, 0.2, 0.02, 0.3) for _ in range(4000)]
+
+    plans = draw()
+    assert plans == draw()
+    counts = np.array([len(each) for each in plans])
+    assert np.mean(counts == 0) == pytest.approx(0.2, abs=0.03)
+    assert np.mean(counts == 2) == pytest.approx(0.8 * 0.3, abs=0.03)
+    assert np.mean([d for each in plans for d in each]) == pytest.approx(0.02, rel=0.1)
+
+
+def test_only_the_checksum_of_udp_is_taken_out() -> None:
+    header = bytes(12) + b"\x08\x00" + b"\x45" + bytes(5) + b"\x00\x00\x40\x11" + bytes(10)
+    udp = b"\x1c\xe8\x1c\xe9\x00\x0a\xab\xcd"
+    assert without_checksum(header + udp + b"hi") == header + udp[:6] + b"\x00\x00" + b"hi"
+    other = header[:23] + b"\x06" + header[24:]
+    fragment = header[:20] + b"\x00\x10" + header[22:]
+    for start in (other, fragment, bytes(34)):
+        assert without_checksum(start + udp + b"hi") == start + udp + b"hi"

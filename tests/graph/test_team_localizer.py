@@ -1,0 +1,228 @@
+"""The team's localizer over DDS: every robot its own process, and one for all."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
+pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
+from robot_messages import statuses
+from team_scene import POLES, POSES, TeamVoices, write_landmarks
+from visualization_msgs.msg import MarkerArray
+
+from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN
+from floornav_common.ros.messages import pose_to_se2
+from floornav_common.ros.qos import RELIABLE_QOS
+from floornav_common.se2 import SE2
+from multi_localizer.pose_estimate import normalized_error
+from multi_localizer.ros_conversions import estimate_from_msg
+
+NODE = (Path(__file__).with_name("listening.py"), "multi_localizer.nodes.team_localizer_node")
+TEAM = "[r1, r2, r3, r4]"
+NEAR_M, NEAR_RAD = 0.10, 0.05  # bearings are good to 0.005 rad over 7 m
+FAR_OFF = 40.0  # chi-squared of 3 degrees: once in 10^8
+ROUND_S = 0.1
+
+
+@pytest.fixture
+def landmarks(tmp_path: Path) -> Path:
+    return write_landmarks(tmp_path)
+
+
+@pytest.fixture
+def localizer(start: Any, landmarks: Path) -> Callable[..., Any]:
+    """Return a function that starts a localizer and waits until it is ready."""
+
+    def make(name: str = "", *words: str, team: str = TEAM) -> Any:
+        given = ["-p", f"team:={team}", "-p", f"landmarks:={landmarks}", *words]
+        given += ["-r", f"__ns:=/{name}"] if name else ["-p", "publish_for:=all"]
+        process = start(*NODE, "--ros-args", *given)
+        process.wait_for("ready")
+        return process
+
+    return make
+
+
+class Team:
+    """The test's robots, which send a round of messages every tenth of a second."""
+
+    def __init__(self, peer: Any, *nodes: Any, names: Sequence[str] = tuple(POSES)) -> None:
+        self.peer = peer
+        self.states: list[DiagnosticArray] = peer.collect(DiagnosticArray, "/diagnostics", 100)
+        make = lambda kind, topic: peer.node.create_publisher(kind, topic, RELIABLE_QOS)  # noqa: E731
+        self.voices = TeamVoices(peer.node, names, 0, make)
+        for node in nodes:
+            for name in names:
+                node.wait_to_hear(f"/{name}/bearings/robots")
+                node.wait_to_hear(f"/{name}/bearings/pole")
+                node.wait_to_hear(f"/{name}/pose")
+
+    def go_on(self, is_done: Callable[[], bool], timeout: float = 60.0, **how: Any) -> None:
+        """Send until something is so."""
+        end = time.monotonic() + timeout
+        while not is_done():
+            said = {(s.level, s.message) for a in self.states[-10:] for s in a.status}
+            assert time.monotonic() < end, f"not so within {timeout} s; last said: {said}"
+            self.voices.say(time.time_ns(), **how)
+            self.peer.spin_until(is_done, ROUND_S, must=False)
+
+    def last(self, part: str) -> DiagnosticStatus | None:
+        """Return what was last said of a part."""
+        found = statuses(self.states, part)
+        return found[-1] if found else None
+
+    def says(self, part: str, level: bytes, words: str) -> Callable[[], bool]:
+        """Return whether it is what was last said of a part."""
+
+        def is_so() -> bool:
+            status = self.last(part)
+            return status is not None and status.level == level and words in status.message
+
+        return is_so
+
+
+def is_near(pose: SE2, name: str) -> bool:
+    off = POSES[name].between(pose)
+    return off.distance < NEAR_M and abs(off.yaw) < NEAR_RAD
+
+
+def values_of(status: DiagnosticStatus) -> dict[str, str]:
+    return {each.key: each.value for each in status.values}
+
+
+def test_every_robot_finds_itself_and_all_others(localizer, peer) -> None:
+    """Three processes, three namespaces; the fourth robot has no localizer of its own."""
+    names = ("r1", "r2", "r3")
+    nodes = [localizer(name) for name in names]
+    own = {n: peer.collect(PoseWithCovarianceStamped, f"/{n}/team_pose", 10) for n in names}
+    everyone = {n: peer.collect(PoseArray, f"/{n}/team/poses", 10) for n in names}
+    team = Team(peer, *nodes)
+    team.go_on(lambda: all(len(own[n]) >= 3 and len(everyone[n]) >= 3 for n in names))
+    for name in names:
+        estimate = estimate_from_msg(own[name][-1])
+        assert own[name][-1].header.frame_id == "map"
+        assert is_near(estimate.pose, name)
+        assert normalized_error(estimate.pose, POSES[name], estimate.cov) < FAR_OFF
+        poses = [pose_to_se2(p) for p in everyone[name][-1].poses]
+        assert all(is_near(pose, n) for pose, n in zip(poses, POSES, strict=True))
+    assert peer.node.count_publishers("/r4/team_pose") == 0
+    offset = lambda: (team.last("robot r2") and values_of(team.last("robot r2"))) or {}  # noqa: E731
+    team.go_on(lambda: offset().get("its error (s)", "one way") != "one way")
+    assert abs(float(offset()["clock offset (s)"])) <= 0.001 + float(offset()["its error (s)"])
+
+
+def test_one_for_all_tells_where_all_are_and_draws_them(localizer, peer) -> None:
+    node = localizer()
+    own = {n: peer.collect(PoseWithCovarianceStamped, f"/{n}/team_pose", 10) for n in POSES}
+    markers = peer.collect(MarkerArray, "/team/markers", 10)
+    team = Team(peer, node)
+    team.go_on(lambda: markers and all(len(msgs) >= 3 for msgs in own.values()))
+    for name, msgs in own.items():
+        assert is_near(estimate_from_msg(msgs[-1]).pose, name)
+    kinds = [m.ns for m in markers[-1].markers]
+    assert [kinds.count(k) for k in ("robots", "names", "deviations", "sights")] == [4, 4, 4, 1]
+    team.go_on(team.says("team", OK, "4 of 4 robots located"))
+
+
+def test_robots_that_fall_silent_and_come_back(localizer, peer) -> None:
+    node = localizer("r1", "-p", "robot_timeout_s:=0.5")
+    poses = peer.collect(PoseArray, "/r1/team/poses", 10)
+    team = Team(peer, node)
+    team.go_on(team.says("team", OK, "4 of 4 robots located"))
+    team.go_on(
+        team.says("robot r3", STALE, "no bearings on /r3/bearings/robots any"), silent=["r3"]
+    )
+    poses.clear()
+    team.go_on(lambda: len(poses) >= 3, silent=["r3"])
+    assert all(is_near(pose_to_se2(poses[-1].poses[k]), n) for k, n in ((0, "r1"), (1, "r2")))
+    team.go_on(team.says("team", OK, "4 of 4 robots located"))
+
+
+def test_a_team_of_one_who_tells_is_no_team(localizer, peer) -> None:
+    node = localizer("r1", "-p", "robot_timeout_s:=0.5")
+    team = Team(peer, node)
+    everyone = ["r1", "r2", "r3", "r4"]
+    team.go_on(
+        lambda: (
+            "1 robots tell, 3 make a triangle" in (team.last("team") or DiagnosticStatus()).message
+        ),
+        silent=everyone[1:],
+    )
+    team.go_on(
+        team.says("team", STALE, "no robot's bearings arrive, this robot's"), silent=everyone
+    )
+
+
+def test_a_robot_without_a_pose_of_its_own_is_located_by_the_others(localizer, peer) -> None:
+    node = localizer("r2")
+    own = peer.collect(PoseWithCovarianceStamped, "/r2/team_pose", 10)
+    team = Team(peer, node)
+    team.go_on(lambda: len(own) >= 3, without_pose=["r2"])
+    assert is_near(estimate_from_msg(own[-1]).pose, "r2")
+    team.go_on(
+        team.says("robot r2", WARN, "located without a pose of its own"), without_pose=["r2"]
+    )
+
+
+def test_a_robot_that_lies_about_its_place_misleads_nobody(localizer, peer) -> None:
+    node = localizer("r1", "-p", "poses_use_landmarks:=false")
+    own = peer.collect(PoseWithCovarianceStamped, "/r1/team_pose", 10)
+    team = Team(peer, node)
+    lie = SE2(3.0, 2.0, 0.0)
+    team.go_on(lambda: len(own) >= 5, lies={"r3": lie})
+    assert is_near(estimate_from_msg(own[-1]).pose, "r1")
+
+
+def test_bearings_of_nan_and_doubled_messages_are_counted_and_harmless(localizer, peer) -> None:
+    node = localizer("r1")
+    own = peer.collect(PoseWithCovarianceStamped, "/r1/team_pose", 10)
+    team = Team(peer, node)
+    team.go_on(lambda: len(own) >= 1)
+    places = np.array([[p.x, p.y] for n, p in POSES.items() if n != "r2"])
+    for _ in range(5):
+        stamp = time.time_ns()
+        team.voices.say(stamp, silent=["r2"])
+        good = team.voices.seen("r2", POLES)
+        team.voices.say_bearings("r2", "pole", stamp, good)
+        with_nan = np.append(team.voices.seen("r2", places), math.nan)
+        team.voices.say_bearings("r2", "robots", stamp, with_nan)
+        team.voices.say_bearings("r2", "robots", stamp, with_nan)
+        peer.spin(ROUND_S)
+    counted = lambda: values_of(team.last("robot r2") or DiagnosticStatus())  # noqa: E731
+    team.go_on(lambda: counted().get("void bearings") == "10" and counted().get("doubled") == "5")
+    assert all(is_near(estimate_from_msg(msg).pose, "r1") for msg in own)
+
+
+def test_two_robots_of_one_name_are_not_believed(localizer, peer, make_peer) -> None:
+    node = localizer("r1")
+    team = Team(peer, node)
+    team.go_on(team.says("team", OK, "4 of 4 robots located"))
+    twin = make_peer("twin")
+    twin.publisher(PoseArray, "/r2/bearings/robots", RELIABLE_QOS, to=node, num=2)
+    team.go_on(team.says("robot r2", ERROR, "2 nodes publish /r2/bearings/robots"))
+    team.go_on(team.says("team", WARN, "r2: 2 nodes publish"))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["-p", "team:=[r1, r1, r2]"], "team must name each robot once, got 'r1' twice"),
+        (["-p", "team:=[r2, r3, r4]"], "namespace 'r1' is not in team"),
+        ([], "parameter team must name the robots"),
+        (["-p", "team:=[r1, r2, r3]", "-p", "landmarks:=nowhere"], "'nowhere'"),
+    ],
+)
+def test_a_team_that_cannot_be_is_refused_in_one_line(start, words, said) -> None:
+    node = start(*NODE, "--ros-args", "-r", "__ns:=/r1", *words)
+    assert node.wait_for_exit() == 2
+    assert said in node.text and len(node.lines) == 1
