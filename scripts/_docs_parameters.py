@@ -31,7 +31,7 @@ from sim_bridge.config import (
 from sim_bridge.robot_model import RobotModel, load_robot, robot_names
 from sim_bridge.sonar_config import SonarConfig
 from sim_bridge.world import RobotPlacement
-from sjmc_planner.config import LocalPlannerConfig
+from sjmc_planner.config import LocalPlannerConfig, SendGoalConfig
 
 NODES: dict[str, tuple[type, ...]] = {
     "grid_mapper grid_mapper": (
@@ -46,6 +46,7 @@ NODES: dict[str, tuple[type, ...]] = {
     "sim_bridge sim_bridge": (SimBridgeConfig, FrameConfig, ProcessConfig),
     "sim_bridge route_follower": (RouteConfig, ProcessConfig),
     "sjmc_planner local_planner": (LocalPlannerConfig, FrameConfig, ProcessConfig),
+    "sjmc_planner send_goal": (SendGoalConfig, ProcessConfig),
 }  # fmt: skip
 """Every node, as `ros2 run` names it, and what it declares."""
 

@@ -62,8 +62,8 @@ def test_an_image_gives_free_space_and_mask_with_its_stamp(node, peer, image) ->
     peer.wait_to_hear("floor/free_space", "floor/mask")
     images = peer.publisher(Image, "omni/image_raw", RELIABLE_QOS, to=node)
     stamp = Time(sec=12, nanosec=345)
-    images.publish(array_to_image(image, "rgb8", stamp, OPTICAL))
-    peer.spin_until(lambda: scans and masks)
+    msg = array_to_image(image, "rgb8", stamp, OPTICAL)
+    peer.publish_until(images, msg, lambda: scans and masks)
     scan, mask = scans[0], masks[0]
     assert scan.header.frame_id == "omni_camera_floor"
     assert (scan.header.stamp, mask.header.stamp) == (stamp, stamp)
@@ -85,8 +85,8 @@ def test_compressed_images_give_the_same(start, peer, image) -> None:
     scans = peer.collect(LaserScan, "floor/free_space", RELIABLE_QOS)
     peer.wait_to_hear("floor/free_space")
     images = peer.publisher(CompressedImage, "omni/image_raw/compressed", RELIABLE_QOS, to=node)
-    images.publish(array_to_compressed(image, "rgb8", Time(sec=1), OPTICAL, quality=None))
-    peer.spin_until(lambda: scans)
+    msg = array_to_compressed(image, "rgb8", Time(sec=1), OPTICAL, quality=None)
+    peer.publish_until(images, msg, lambda: scans)
     core = scan_from_msg(scans[0])
     assert (core.ranges[np.abs(core.angles) < 0.2] <= WALL_M + PART_OF_A_CELL_M).all()
 
@@ -219,8 +219,8 @@ def test_markers_are_sent_as_bearings_and_their_absence_as_empty_arrays(start, p
     images = peer.publisher(Image, "omni/image_raw", RELIABLE_QOS, to=node)
     picture = image.copy()
     picture[157:162, 125:131] = (230, 26, 191)  # down in the image: to the left
-    images.publish(array_to_image(picture, "rgb8", Time(sec=7), OPTICAL))
-    peer.spin_until(lambda: robots and goals)
+    msg = array_to_image(picture, "rgb8", Time(sec=7), OPTICAL)
+    peer.publish_until(images, msg, lambda: robots and goals)
     assert robots[0].header.frame_id == "omni_camera_floor"
     assert robots[0].header.stamp == Time(sec=7)
     (pose,) = poses_from_msg(robots[0])

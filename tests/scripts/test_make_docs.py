@@ -18,6 +18,7 @@ NODE_CLASSES = {
     "grid_mapper grid_mapper": "grid_mapper.nodes.grid_mapper_node:GridMapperNode",
     "sim_bridge sim_bridge": "sim_bridge.nodes.sim_bridge_node:SimBridgeNode",
     "sjmc_planner local_planner": "sjmc_planner.nodes.local_planner_node:LocalPlannerNode",
+    "sjmc_planner send_goal": "sjmc_planner.nodes.send_goal_node:SendGoalNode",
     "sim_bridge route_follower": "sim_bridge.nodes.route_follower_node:RouteFollowerNode",
 }
 ROS_OWN = ("use_sim_time", "start_type_description_service", "qos_overrides.")

@@ -115,3 +115,19 @@ class LocalPlannerConfig:
 
     def __post_init__(self) -> None:
         validate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SendGoalConfig:
+    """The goal that `send_goal` sends."""
+
+    x_m: float = param(0.0, "Where to go.", unit="m", read_only=True)
+    y_m: float = param(0.0, "Where to go.", unit="m", read_only=True)
+    yaw_rad: float = param(
+        0.0, "Heading there, for planners that care.", unit="rad", read_only=True
+    )
+    frame: str = param("odom", "Frame of these, not fixed to the robot.", read_only=True)
+    waits: bool = param(True, "Run until the planner says that it is there.", read_only=True)
+
+    def __post_init__(self) -> None:
+        validate(self)

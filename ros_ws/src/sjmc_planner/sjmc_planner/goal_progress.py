@@ -1,0 +1,40 @@
+"""What a planner's states say of a goal that was sent to it."""
+
+from __future__ import annotations
+
+from sjmc_planner.planning import REACHED
+
+_IDLE = "idle"
+_SURELY = 6  # states in a row, 3 s: it has the goal by then
+
+
+class GoalProgress:
+    """Follows the states of a planner after a goal was sent.
+
+    A planner that stood at its last goal may say so once more before it has the new one, so
+    "reached" counts at once only after it was on its way.
+
+    Attributes:
+        is_reached: Whether it stands at the goal.
+    """
+
+    def __init__(self) -> None:
+        self.is_reached = False
+        self._is_on_its_way = False
+        self._num_reached = 0
+        self._said = ("", "")
+
+    def update(self, state: str, reason: str) -> str:
+        """Take a state; return the line to be said of it, "" if it was said before.
+
+        Args:
+            state: As on `planner/state`.
+            reason: Beside it; figures behind " is " change and make no new line.
+        """
+        self._is_on_its_way |= state not in (REACHED, _IDLE, "")
+        self._num_reached = self._num_reached + 1 if state == REACHED else 0
+        self.is_reached = state == REACHED and (self._is_on_its_way or self._num_reached >= _SURELY)
+        if state == REACHED and not self.is_reached:
+            return ""
+        said, self._said = self._said, (state, reason.split(" is ")[0])
+        return (f"{state}: {reason}" if reason else state) if self._said != said else ""
