@@ -11,3 +11,8 @@ def floor_localizer() -> int:
 def landmark_localizer() -> int:
     """Start the node `landmark_localizer`."""
     return start_node("multi_localizer.nodes.landmark_localizer_node")
+
+
+def team_localizer() -> int:
+    """Start the node `team_localizer`."""
+    return start_node("multi_localizer.nodes.team_localizer_node")
