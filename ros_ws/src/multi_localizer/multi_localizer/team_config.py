@@ -59,6 +59,14 @@ class TeamConfig:
     far_sd_m: float = param(
         5.0, "A position known worse than this along an axis is not known.", unit="m", gt=0.0
     )
+    explained_share: float = param(
+        0.75, "A robot of whose bearings less than this share fits anybody is looked for anew.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
+    least_views: int = param(
+        2, "Robots with fewer bearings than this are not looked for anew.", ge=1
+    )
+    max_searches: int = param(4, "Robots are looked for anew so many times.", ge=0, le=100)
     lost_yaw_rad: float = param(
         1.0, "A yaw known worse than this is not known.", unit="rad", gt=0.0
     )

@@ -10,9 +10,10 @@ from floornav_common.se2 import SE2
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit, fit_poses
-from multi_localizer.team_identify import Identification, identify
+from multi_localizer.team_identify import Identification
 from multi_localizer.team_observability import unknown_poses, words
 from multi_localizer.team_problem import TeamProblem, make_problem
+from multi_localizer.team_settle import settle
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
 
 
@@ -34,7 +35,7 @@ def solve_team(
     if problem_text:
         return TeamSolution(names, problem=problem_text)
     problem = make_problem(views, landmarks, config)
-    found = identify(problem, problem.has_prior.astype(float), config)
+    found = settle(problem, config)
     fit = _final_fit(problem, found, config)
     return _solution(problem, views, found, fit, config)
 

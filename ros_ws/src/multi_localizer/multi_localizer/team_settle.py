@@ -1,0 +1,39 @@
+"""Identities and poses; robots are looked for anew until every view is explained or none better."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_identify import Identification, identify, refine
+from multi_localizer.team_problem import TeamProblem
+from multi_localizer.team_recovery import explained_share, relocate_lost
+
+
+def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
+    """Identify from rough poses, then look for robots that do not fit, again and again.
+
+    Args:
+        problem: The views.
+        config: Tuning.
+    """
+    found = identify(problem, problem.has_prior.astype(float), config)
+    best = found
+    for _ in range(config.max_searches):
+        share = explained_share(problem, found)
+        has_views = np.diff(problem.start) >= config.least_views
+        lost = np.flatnonzero((share < config.explained_share) & has_views)
+        if not len(lost):
+            break
+        found, num_moved = relocate_lost(problem, found, lost[np.argsort(-share[lost])], config)
+        if num_moved == 0:
+            break
+        found = refine(problem, found, config)
+        if num_explained(found) > num_explained(best):
+            best = found
+    return best if num_explained(best) > num_explained(found) else found
+
+
+def num_explained(found: Identification) -> float:
+    """Return how many bearings are believed to be somebody's."""
+    return float(found.belief[found.belief > 0.6].sum())
