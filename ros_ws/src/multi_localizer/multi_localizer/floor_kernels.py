@@ -14,6 +14,7 @@ import numpy as np
 
 NUM_VALUES = 7
 """Columns of the residuals: z, dz/dx, dz/dy, dz/dyaw, wall, rho of the wall, share."""
+BEHIND = 5.0  # how much farther off a piece behind its wall still counts
 FIRST_SPREAD, FALL = 60.0, 0.6
 """Residual that halves a weight in the beginning, px, and how it falls with every step."""
 
@@ -159,7 +160,9 @@ def anneal(values, step, start, walls, spread, num_iterations):  # type: ignore[
         scale = max(spread, FALL * scale)
         cost, total = 0.0, 0.0
         for i in range(num):
-            ratio = (off[i] / scale) ** 2
+            # Nothing shows floor behind a wall, but much hides a wall.
+            ratio = off[i] / (scale if rows[i, 0] > offset else BEHIND * scale)
+            ratio *= ratio
             weights[i] = rows[i, 6] / (1.0 + ratio) ** 2 if ratio < 25.0 else 0.0
             ratio = (off[i] / spread) ** 2
             cost += rows[i, 6] * (ratio / (1.0 + ratio) if ratio < 1e9 else 1.0)
