@@ -31,6 +31,8 @@ EXPERIMENTS = {
     "floor-images": "floor mask and free space on real pictures: --images DIR",
     "velocity-avoidance": "driving round cubes with and without regard to velocity, seen by mirror",
     "glass-map": "the glass paper's two places and drawn floors with glass, mapped by each method",
+    "landmark-localization": "a robot alone by goal posts: methods 1 and 2 of the team paper",
+    "live-team": "four simulated robots see each other, each with its own nodes: errors live",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
 }
 

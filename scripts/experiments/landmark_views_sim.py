@@ -1,0 +1,118 @@
+"""What a robot alone on the middle-size field sees of the goals: posts' bearings, floor mask.
+
+The picture is the simulator's at 160 x 120; marker_detector's and floor_detector's cores look at it
+as on a robot. The robot itself is left out of the picture. The floor's color is learned once, in
+the middle of the field.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from floor_perception.config import FloorDetectorConfig, MaskConfig, TemplateConfig
+from floor_perception.floor_detector import FloorDetector
+from floor_perception.markers import MarkerDetector, load_marker_classes
+from floor_perception.resources import find_file
+from floornav_common.camera_files import load_camera_model
+from floornav_common.se2 import SE2
+from sim_bridge.cameras import mirror_rays
+from sim_bridge.image_effects import ImageSensor
+from sim_bridge.robot_model import load_robot
+from sim_bridge.scene import Scene
+from sim_bridge.shape_kinds import BOX
+from sim_bridge.solids import solids_of
+from sim_bridge.world import RobotPlacement, load_world
+
+MIDDLE = SE2(0.0, 0.4, 0.0)
+_MASK = MaskConfig(mark_m=0.06)
+_TEMPLATE = TemplateConfig(range_min_m=0.45, horizon_m=4.0)
+
+
+@dataclass(frozen=True)
+class View:
+    """What is handed to a localizer.
+
+    Attributes:
+        bearings: By class of landmark, (K,) each, rad.
+        mask: 255 where the floor is, (H, W), uint8.
+    """
+
+    bearings: dict[str, np.ndarray]
+    mask: np.ndarray
+
+
+class _Boxes:
+    """The world's boxes, which stand still."""
+
+    def __init__(self, world_name: str) -> None:
+        solids = [s for s in solids_of(_empty(world_name)) if not s.is_round]
+        self.kinds = np.full(len(solids), BOX, dtype=np.int64)
+        self.halves = np.array([s.size for s in solids]) / 2.0
+        self.colors = np.array([s.color for s in solids], dtype=float)
+        self.is_glass = np.zeros(len(solids), dtype=bool)
+        self.textures = [s.texture for s in solids]
+        self._T = np.stack([_pose3(s.pose, s.bottom + s.size[2] / 2.0) for s in solids])
+
+    def poses(self) -> np.ndarray:
+        """Return where each box is, (N, 4, 4)."""
+        return self._T
+
+
+class FieldEye:
+    """Takes views of the middle-size field.
+
+    Args:
+        seed: Of the images' noise.
+    """
+
+    def __init__(self, seed: int) -> None:
+        placed = RobotPlacement(model="soccer_middle_size", position_m=(0.0, 0.0))
+        config = load_robot(placed).config.omni
+        assert config is not None
+        mirror = config.camera()
+        self.camera = load_camera_model("soccer_middle_size")
+        world = _empty("middle_size_field")
+        self._scene = Scene(world, _Boxes("middle_size_field"), np.eye(4))  # type: ignore[arg-type]
+        self._rays = mirror_rays(mirror, config.samples, config.refine_above)
+        v, u = np.mgrid[: mirror.height_px, : mirror.width_px]
+        radius = np.hypot(u - mirror.center_u_px, v - mirror.center_v_px)
+        gain = np.clip(mirror.max_radius_px - radius + 0.5, 0.0, 1.0)
+        edge = np.minimum(radius / mirror.max_radius_px, 1.0)
+        size = (mirror.width_px, mirror.height_px)
+        self._sensor = ImageSensor(config.image, gain, edge, (seed, *size))
+        self._markers = MarkerDetector(
+            self.camera, load_marker_classes(find_file("soccer", "colors"))
+        )
+        self._floor = FloorDetector(
+            self.camera, FloorDetectorConfig(mask=_MASK, template=_TEMPLATE)
+        )
+        self.view(MIDDLE, 0)
+
+    def view(self, pose: SE2, frame: int) -> View:
+        """Return what is seen from a pose of the robot; `frame` numbers the noise."""
+        picture = self._sensor.expose(
+            self._scene.light_at(self._rays, _pose3(pose, self.camera.height_m)), frame
+        )
+        bearings = {}
+        for kind, markers in self._markers.detect(picture, "rgb").items():
+            ends = [marker.ends for marker in markers if marker.ends is not None]
+            bearings[f"{kind}_right"] = np.array([right for right, _ in ends])
+            bearings[f"{kind}_left"] = np.array([left for _, left in ends])
+        result = self._floor.detect(picture, "rgb", 0)
+        if result is None:
+            raise ValueError("the floor's color is not known in this picture")
+        return View(bearings, result.mask)
+
+
+def _empty(world_name: str):  # type: ignore[no-untyped-def]
+    return replace(load_world(world_name), balls=(), robots=())
+
+
+def _pose3(pose: SE2, up: float) -> np.ndarray:
+    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
+    T = np.eye(4)
+    T[:2, :2], T[:3, 3] = ((c, -s), (s, c)), (pose.x, pose.y, up)
+    return T
