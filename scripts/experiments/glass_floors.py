@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,11 +11,20 @@ import numpy as np
 
 from experiments.glass_logs import GlassLog, drive
 from experiments.glass_measures import measured
-from experiments.glass_methods import Mapped, all_rows, localized, overlays_of, true_track
+from experiments.glass_methods import (
+    Mapped,
+    all_rows,
+    compared_rows,
+    localized,
+    overlays_of,
+    true_track,
+)
 from experiments.glass_metrics import judge
-from experiments.glass_paths import count_crossings, pairs_of
+from experiments.glass_paths import count_crossings, pairs_behind_glass, pairs_of
 from experiments.glass_pictures import write_figures, write_rows
-from experiments.glass_truth import truth_of
+from experiments.glass_truth import Truth, truth_of
+from floornav_common.grid import OccupancyMap
+from floornav_common.se2 import SE2
 from sim_bridge.world import load_world
 
 # Tables 1 and 2: what the paper's maps say, m and deg.
@@ -31,6 +40,9 @@ Rows = dict[str, Mapped | None]
 class Job:
     """What to do in one world.
 
+    With `turn_rad` only lengths and angles are measured, in maps whose cells are turned so far
+    against the walls.
+
     Attributes:
         world: Name or path.
         seed: Of the drive.
@@ -38,6 +50,7 @@ class Job:
         num_pairs: Start-goal pairs to plan for.
         pairs_seed: Of these.
         pictures: Folder for pictures; None draws none.
+        turn_rad: See above; None for all figures, cells along the walls.
     """
 
     world: str
@@ -46,6 +59,7 @@ class Job:
     num_pairs: int
     pairs_seed: int
     pictures: Path | None
+    turn_rad: float | None = None
 
 
 def run_jobs(jobs: list[Job], num: int) -> Iterator[dict[str, Any]]:
@@ -60,7 +74,9 @@ def run_jobs(jobs: list[Job], num: int) -> Iterator[dict[str, Any]]:
 
 
 def run_job(job: Job) -> dict[str, Any]:
-    """Return all figures of one world."""
+    """Return all figures of one world, or its lengths alone."""
+    if job.turn_rad is not None:
+        return run_lengths(job, job.turn_rad)
     log = drive(job.world, job.seed, cache=job.logs)
     truth, is_paper = truth_of(log), job.world in PAPER
     overlays, icp = overlays_of(is_paper_world=is_paper), localized(log)
@@ -72,8 +88,9 @@ def run_job(job: Job) -> dict[str, Any]:
         "true_poses": _each(truly, lambda row: judge(row.occupancy, row.glass, truth)),
         "pictures": [],
     }
-    pairs = pairs_of(truth, job.num_pairs, np.random.default_rng(job.pairs_seed))
-    result["paths"] = _each(rows, lambda row: vars(count_crossings(row.occupancy, truth, pairs)))
+    for name, choose in (("paths", pairs_of), ("paths_behind_glass", pairs_behind_glass)):
+        pairs = choose(truth, job.num_pairs, np.random.default_rng(job.pairs_seed))
+        result[name] = _each(rows, _crossings(truth, pairs))
     result["tables"] = _tables(job.world, log, rows) if is_paper else []
     if job.pictures is not None:
         name = job.world.replace(":", "-")
@@ -85,6 +102,30 @@ def run_job(job: Job) -> dict[str, Any]:
             write_figures(path, log, truth, icp, overlays["overlay"])
             result["pictures"].append(str(path))
     return result
+
+
+def run_lengths(job: Job, turn_rad: float) -> dict[str, Any]:
+    """Return the lengths and angles of a paper's world, mapped on turned cells."""
+    log = drive(job.world, job.seed, cache=job.logs)
+    turn = SE2(0.0, 0.0, turn_rad)
+    track = localized(log, turn @ log.start)
+    rules = {"overlay": overlays_of(is_paper_world=True)["overlay"]}
+    rows = {name: _turned_back(row, turn) for name, row in compared_rows(log, rules, track).items()}
+    tables = _tables(job.world, log, rows)
+    extra = {"seed": job.seed, "turn_rad": turn_rad}
+    return {"world": job.world, "lengths": [{**entry, **extra} for entry in tables]}
+
+
+def _turned_back(row: Mapped, turn: SE2) -> Mapped:
+    """Return a row in the world's frame."""
+    maps = [row.occupancy, row.glass]
+    back = [m and OccupancyMap(m.cells, m.resolution, turn.inverse() @ m.origin) for m in maps]
+    assert back[0] is not None
+    return Mapped(back[0], back[1])
+
+
+def _crossings(truth: Truth, pairs: np.ndarray) -> Callable[[Mapped], dict[str, Any]]:
+    return lambda row: vars(count_crossings(row.occupancy, truth, pairs))
 
 
 def _drive_values(log: GlassLog, errors_m: list[float], num_untrusted: int) -> dict[str, Any]:
@@ -120,7 +161,7 @@ def _each(
     return {name: None if row is None else figures(row) for name, row in rows.items()}
 
 
-def _tables(world: str, log: GlassLog, rows: Rows) -> list[dict[str, Any]]:
+def _tables(world: str, log: GlassLog, rows: Mapping[str, Mapped | None]) -> list[dict[str, Any]]:
     """Return each length and angle of the world by each row, beside the truth and the paper."""
     solids = [s for s in log.solids() if s.is_at_height(float(log.laser_height))]
     entries = []

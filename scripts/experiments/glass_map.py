@@ -27,6 +27,8 @@ from floornav_common.reporting import Progress, Section, UserError
 
 WORLDS = ("glass_corridor", "glass_wall")
 SHARES = (0.2, 0.3, 0.4, 0.5)
+NUM_LENGTH_SEEDS = 5
+TURNS_RAD = (0.0, 0.3)
 NUM_PAIRS = 200
 NUM_DRAWN_FLOORS = 3
 TO_REACH = {
@@ -60,16 +62,18 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Map all worlds; fills `values["tables"]`, `["methods"]`, `["paths"]` and `["worlds"]`."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before processes start
     jobs = _jobs(args)
-    order = {job.world: k for k, job in enumerate(jobs)}
+    order = {job.world: k for k, job in reversed(list(enumerate(jobs)))}
     results: list[dict[str, Any]] = []
+    lengths: list[dict[str, Any]] = []
     try:
         with Progress("glass-map", len(jobs), is_quiet=args.quiet) as progress:
             for result in run_jobs(jobs, min(args.jobs, len(jobs))):
-                results.append(result)
-                progress.update(len(results), result["world"])
+                (lengths if "lengths" in result else results).append(result)
+                progress.update(len(results) + len(lengths), result["world"])
     finally:
         results.sort(key=lambda result: order[result["world"]])
         _fill(values, results)
+        values["lengths"] = length_spreads([e for r in lengths for e in r["lengths"]])
     return sections(values, results)
 
 
@@ -79,7 +83,7 @@ def _jobs(args: argparse.Namespace) -> list[Job]:
     seeds = [args.seed] * len(WORLDS) + [args.seed + k for k in range(args.floors)]
     logs = args.out_dir / "logs" if args.logs is None else args.logs
     drawn = len(WORLDS) + NUM_DRAWN_FLOORS
-    return [
+    floors_jobs = [
         Job(
             world=name,
             seed=seed,
@@ -90,6 +94,13 @@ def _jobs(args: argparse.Namespace) -> list[Job]:
         )
         for k, (name, seed) in enumerate(zip(names, seeds, strict=True))
     ]
+    length_jobs = [
+        Job(world, args.seed + k, logs, 0, 0, None, turn)
+        for world in WORLDS
+        for k in range(NUM_LENGTH_SEEDS)
+        for turn in TURNS_RAD
+    ]
+    return [*floors_jobs, *length_jobs]
 
 
 def _fill(values: dict[str, Any], results: list[dict[str, Any]]) -> None:
@@ -97,7 +108,8 @@ def _fill(values: dict[str, Any], results: list[dict[str, Any]]) -> None:
     values["tables"] = [entry for result in results for entry in result.pop("tables")]
     values["methods"] = spreads(floors, "icp")
     values["methods_true_poses"] = spreads(floors, "true_poses")
-    values["paths"] = path_sums(results)
+    values["paths"] = path_sums(results, "paths")
+    values["paths_behind_glass"] = path_sums(results, "paths_behind_glass")
     for name, sums in values["paths"].items():
         if values["methods"].get(name):
             values["methods"][name]["paths_through_glass"] = sums and sums["crossing"]
@@ -139,11 +151,38 @@ def _spread(metric: str, by_world: dict[str, float]) -> dict[str, Any]:
     }
 
 
-def path_sums(results: list[dict[str, Any]]) -> dict[str, dict[str, int] | None]:
-    """Return the counts of A* paths by row, over all worlds; None for a row without maps."""
+def length_spreads(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return each length and angle over seeds, by row and turn of the cells: how far it is off.
+
+    `error_rms` and `error_worst` (signed) are over the seeds that have it in the map.
+    """
+    groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    keys = ("experiment", "name", "what", "unit", "method", "turn_rad", "true")
+    for entry in entries:
+        groups.setdefault(tuple(entry[key] for key in keys), []).append(entry)
+    found = []
+    for group, members in sorted(groups.items(), key=lambda item: str(item[0])):
+        off = np.array([e["error"] for e in members if e["error"] is not None])
+        found.append({
+            **dict(zip(keys, group, strict=True)),
+            "seeds": len(members),
+            "in_map": len(off),
+            "error_rms": float(np.sqrt(np.mean(off**2))) if len(off) else None,
+            "error_worst": float(off[np.abs(off).argmax()]) if len(off) else None,
+        })  # fmt: skip
+    return found
+
+
+def path_sums(results: list[dict[str, Any]], which: str) -> dict[str, dict[str, int] | None]:
+    """Return the counts of A* paths by row, over all worlds; None for a row without maps.
+
+    Args:
+        results: Of worlds.
+        which: `paths` or `paths_behind_glass`.
+    """
     sums: dict[str, dict[str, int] | None] = {}
     for name in NAMES:
-        counts = [r["paths"][name] for r in results if r["paths"].get(name) is not None]
+        counts = [r[which][name] for r in results if r[which].get(name) is not None]
         sums[name] = {k: sum(c[k] for c in counts) for k in counts[0]} if counts else None
     return sums
 

@@ -99,7 +99,10 @@ class Published:
 def overlays_of(*, is_paper_world: bool) -> dict[str, Published]:
     """Return the published rule's rows: the paper's way first, then with other key scans.
 
-    `all_rows` adds the one with the mapper's own spacing.
+    The paper counts 26 laser measurements and does not say how often its sonars fired; its maps
+    show walls of echoes, not 26 groups of arcs. So the first row takes each sonar every 5 cm on the
+    way; `overlay_sonar_at_stops_only` is the other reading. `all_rows` adds the one with the
+    mapper's own spacing.
     """
     if not is_paper_world:
         key = KeyScanConfig(distance_m=1.0, turn_rad=6.0, period_s=7.5)  # as far as its stops
@@ -113,9 +116,14 @@ def overlays_of(*, is_paper_world: bool) -> dict[str, Published]:
     }
 
 
-def localized(log: GlassLog) -> Track:
-    """Return the poses that scan matching on drifting odometry gives; the first is the true one."""
-    track, mapper = Track(), GridMapper(GridMapperConfig(), log.start)
+def localized(log: GlassLog, start: SE2 | None = None) -> Track:
+    """Return the poses that scan matching on drifting odometry gives.
+
+    Args:
+        log: The drive.
+        start: First pose; the true one by default. From another one on, errors mean nothing.
+    """
+    track, mapper = Track(), GridMapper(GridMapperConfig(), log.start if start is None else start)
     for event, T_true in log.events():
         if isinstance(event, ScanEvent):
             result = mapper.insert_scan(
@@ -183,24 +191,33 @@ def all_rows(
         overlays: The published rule by name of the row.
         track: Places everything.
     """
-    rows: dict[str, Mapped | None] = {
-        name: row_of(mapped(log, rule.config, track, rule.takes(log)))
-        for name, rule in overlays.items()
-    }
+    rows = compared_rows(log, overlays, track)
     layers = mapped(log, GridMapperConfig(), track).layers()
     layer = RangeLayer(layers.laser)
     for event, pose in placed(log, track):
         if isinstance(event, RangeEvent):
             layer.add_range(event.reading, pose @ event.T_base_sonar)
     costmap = layer.combined(layers.laser)
+    bayes = rows.pop("bayes")
     return {
         **rows,
         "laser": Mapped(layers.laser, None),
         "sonar": Mapped(layers.sonar, None),
-        "bayes": _bayes_row(log, track),
+        "bayes": bayes,
         "range_layer": Mapped(costmap, beyond(costmap, layers.laser)),
         "overlay_every_20_cm": Mapped(layers.occupancy, layers.glass),
     }
+
+
+def compared_rows(
+    log: GlassLog, overlays: Mapping[str, Published], track: Track
+) -> dict[str, Mapped]:
+    """Return the published rule's rows and that of `bayes`."""
+    rows = {
+        name: row_of(mapped(log, rule.config, track, rule.takes(log)))
+        for name, rule in overlays.items()
+    }
+    return {**rows, "bayes": _bayes_row(log, track)}
 
 
 def row_of(mapper: LayeredMapper) -> Mapped:
@@ -209,13 +226,8 @@ def row_of(mapper: LayeredMapper) -> Mapped:
     return Mapped(layers.occupancy, layers.glass)
 
 
-def _bayes_row(log: GlassLog, track: Track) -> Mapped | None:
-    try:
-        return row_of(mapped(log, GridMapperConfig(fusion="bayes"), track))
-    except ValueError as error:
-        if "not part of this version" not in str(error):
-            raise
-        return None
+def _bayes_row(log: GlassLog, track: Track) -> Mapped:
+    return row_of(mapped(log, GridMapperConfig(fusion="bayes"), track))
 
 
 def beyond(occupancy: OccupancyMap, laser: OccupancyMap) -> OccupancyMap:

@@ -2,7 +2,8 @@
 
 Free cells at least 0.3 m (centers) from occupied ones can be driven; unknown ones cannot. Steps go
 to 8 neighbors; a start or goal that cannot be driven is moved to the nearest cell that can, up to
-0.5 m. Starts lie on the way that the robot drove, goals anywhere that it could truly reach.
+0.5 m. Starts lie on the way that the robot drove, goals anywhere that it could truly reach; a
+second set has goals on free floor that was seen through glass, be there a way to it or not.
 """
 
 from __future__ import annotations
@@ -48,13 +49,28 @@ class Crossed:
 
 def pairs_of(truth: Truth, num: int, rng: np.random.Generator) -> np.ndarray:
     """Return starts on the driven way and goals truly reachable from it, rows (x1, y1, x2, y2)."""
-    is_free = truth.to_real > INFLATION_M
+    is_free = _is_free(truth)
     regions, _ = ndimage.label(is_free, np.ones((3, 3)))
     on_way = truth.lattice.to_cells(truth.path)
     on_way = on_way[is_free[tuple(on_way.T)]]
     region = np.bincount(regions[tuple(on_way.T)]).argmax()
     on_way = on_way[regions[tuple(on_way.T)] == region]
     goals = np.argwhere(regions == region)
+    starts = truth.lattice.to_points(on_way[rng.integers(len(on_way), size=num)])
+    return np.hstack((starts, truth.lattice.to_points(goals[rng.integers(len(goals), size=num)])))
+
+
+def pairs_behind_glass(truth: Truth, num: int, rng: np.random.Generator) -> np.ndarray:
+    """Return starts on the driven way and goals seen through glass, rows (x1, y1, x2, y2).
+
+    There are none where nothing free was seen through glass.
+    """
+    is_free = _is_free(truth)
+    on_way = truth.lattice.to_cells(truth.path)
+    on_way = on_way[is_free[tuple(on_way.T)]]
+    goals = np.argwhere(is_free & truth.is_behind)
+    if not len(goals):
+        return np.zeros((0, 4))
     starts = truth.lattice.to_points(on_way[rng.integers(len(on_way), size=num)])
     return np.hstack((starts, truth.lattice.to_points(goals[rng.integers(len(goals), size=num)])))
 
@@ -74,6 +90,10 @@ def count_crossings(occupancy: OccupancyMap, truth: Truth, pairs: np.ndarray) ->
             off = np.hypot(*(places[:, None] - truth.glass[None]).transpose(2, 0, 1))
             counts.crossing_faced += bool(truth.is_faced[off.argmin(axis=1)].any())
     return counts
+
+
+def _is_free(truth: Truth) -> np.ndarray:
+    return truth.to_real > INFLATION_M
 
 
 def drivable(occupancy: OccupancyMap) -> np.ndarray:

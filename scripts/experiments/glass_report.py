@@ -21,6 +21,7 @@ def sections(values: dict[str, Any], results: list[dict[str, Any]]) -> list[Sect
     floors = [r for r in results if r["world"] not in EXPERIMENT]
     return [
         Section("Lengths and angles of the paper's worlds", _table_blocks(values["tables"])),
+        Section("The same over seeds, and on turned cells", _spread_blocks(values["lengths"])),
         *(Section(f"Experiment {EXPERIMENT[r['world']]}: {r['world']}", _world_blocks(r))
           for r in paper),
         Section(f"{len(floors)} drawn floors", _floor_blocks(values, floors)),
@@ -37,6 +38,17 @@ def _table_blocks(entries: list[dict[str, Any]]) -> list[Any]:
     ]  # fmt: skip
     header = ["", "what", "row", "true", "measured", "error", "paper's error"]
     return ["Lines fitted to occupied cells, cm and deg, poses by ICP.", Table(header, rows)]
+
+
+def _spread_blocks(entries: list[dict[str, Any]]) -> list[Any]:
+    rows = [
+        [f"{e['experiment']}{e['name']}", e["what"], e["method"], f"{e['turn_rad']:g}",
+         f"{e['in_map']} of {e['seeds']}", _length(e, "error_rms"),
+         _length(e, "error_worst", signed=True)]
+        for e in entries
+    ]  # fmt: skip
+    header = ["", "what", "row", "turned, rad", "seeds", "error rms", "worst"]
+    return ["Errors over seeds of the drive, cm and deg, poses by ICP.", Table(header, rows)]
 
 
 def _length(entry: dict[str, Any], key: str, *, signed: bool = False) -> str:
@@ -87,16 +99,25 @@ def _floor_blocks(values: dict[str, Any], floors: list[dict[str, Any]]) -> list[
 
 
 def _path_blocks(values: dict[str, Any]) -> list[Any]:
+    text = (
+        "A* on the map of each row (poses by ICP), inflated by 0.3 m, through free cells; the same "
+        "start-goal pairs for all rows, spread over all worlds above. Goals truly reachable:"
+    )
+    asked = [[name, {True: "yes", False: "no", None: "-"}[is_so]]
+             for name, is_so in values["reached"].items()]  # fmt: skip
+    return [
+        text, _path_table(values["paths"]),
+        "Goals on free floor that was seen through glass, be there a way to it or not:",
+        _path_table(values["paths_behind_glass"]),
+        "What is asked of `bayes`:", Table(["", "reached"], asked),
+    ]  # fmt: skip
+
+
+def _path_table(paths: dict[str, Any]) -> Table:
     rows = [
         [name, *(["not available"] * 4 if s is None else
                  [str(s[k]) for k in ("pairs", "paths", "crossing", "crossing_faced")])]
-        for name, s in values["paths"].items()
+        for name, s in paths.items()
     ]  # fmt: skip
-    text = (
-        "A* on the map of each row (poses by ICP), inflated by 0.3 m, through free cells; the same "
-        "start-goal pairs for all rows, spread over all worlds above."
-    )
     header = ["row", "pairs", "paths found", "through glass", "where a sonar had faced it"]
-    asked = [[name, {True: "yes", False: "no", None: "-"}[is_so]]
-             for name, is_so in values["reached"].items()]  # fmt: skip
-    return [text, Table(header, rows), "What is asked of `bayes`:", Table(["", "reached"], asked)]
+    return Table(header, rows)

@@ -22,11 +22,11 @@ NEAR_PATH_M = 2.0
 MIN_FACED = 3
 SAMPLE_M = 0.05
 APART_M = 0.10
-BEHIND_FROM_M, BEHIND_TO_M = 0.15, 2.0
+BEHIND_FROM_M = 0.15
 _MARGIN_M = 1.0
 _NEAR_M = 0.5
 _PLACE_STEP_M = 0.4
-_NUM_RAYS = 1440
+_NUM_RAYS = 2880
 _BLOCK_SLACK_M = 0.03
 _STEEPEST = 0.2  # cosine of incidence; steeper rays would end far away
 
@@ -197,8 +197,8 @@ def seen_through_glass(
 ) -> np.ndarray:
     """Return which cells a robot looked at through a pane, shape (H, W).
 
-    They lie on a ray from one of the places that has crossed a pane and met nothing opaque, from
-    0.15 m to 2 m behind the first pane crossed, measured square to it.
+    They lie on a ray from one of the places that has crossed a pane and met nothing opaque, more
+    than 0.15 m behind the first pane crossed, measured square to it, however far.
 
     Args:
         places: Of the robot, shape (N, 2), m.
@@ -211,16 +211,18 @@ def seen_through_glass(
         return is_behind
     angles = np.linspace(-np.pi, np.pi, _NUM_RAYS, endpoint=False)
     rays = np.column_stack((np.cos(angles), np.sin(angles)))
-    depths = np.arange(BEHIND_FROM_M, BEHIND_TO_M, 0.6 * lattice.resolution)
-    normals = _pane_normals(panes)
+    normals, step = _pane_normals(panes), 0.6 * lattice.resolution
+    far = float(np.hypot(*lattice.cells.shape)) * lattice.resolution
     for place in places:
         first, which = first_hits(place, rays, panes)
         crosses = np.flatnonzero(which >= 0)
         stop, _ = first_hits(place, rays[crosses], opaque)
         square = np.abs(np.einsum("ij,ij->i", rays[crosses], normals[which[crosses]]))
-        along = first[crosses, None] + depths / np.maximum(square, _STEEPEST)[:, None]
-        ray, step = np.nonzero(along < stop[:, None])
-        cells = lattice.to_cells(place + along[ray, step][:, None] * rays[crosses][ray])
+        start = first[crosses] + BEHIND_FROM_M / np.maximum(square, _STEEPEST)
+        num = np.ceil((np.minimum(stop, far) - start) / step).clip(0).astype(int)
+        ray = np.repeat(np.arange(len(crosses)), num)
+        along = start[ray] + step * (np.arange(num.sum()) - np.repeat(np.cumsum(num) - num, num))
+        cells = lattice.to_cells(place + along[:, None] * rays[crosses][ray])
         inside = ((cells >= 0) & (cells < is_behind.shape)).all(axis=1)
         is_behind[tuple(cells[inside].T)] = True
     return is_behind

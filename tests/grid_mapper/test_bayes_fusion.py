@@ -183,6 +183,36 @@ def test_posts_join_panes():
         assert start - end <= 0.2  # a post's width and the cells it fills
 
 
+def test_a_bay_that_no_sonar_faced_between_posts_on_a_panes_line_is_not_free():
+    """The robot passes the first bay alone; the laser sees the posts of the next ones."""
+    posts = [box(x, 1.52) for x in (1.2, 2.4, 3.6)]
+    panes = [(0.0, 1.52, 1.2, 1.52), (1.2, 1.52, 3.6, 1.52)]
+    surfaces = [*ROOM, *(side for post in posts for side in post)]
+    fusion = mapped(along(low=-0.5, high=0.9), surfaces, panes)
+    like = OccupancyMap(EMPTY.cells, EMPTY.resolution, EMPTY.origin)
+    cells = fusion.occupancy(like)
+    line = [cell_near(cells, x, 1.52) for x in (0.5, 1.8, 3.0)]
+    assert line == [OCCUPIED, UNKNOWN, UNKNOWN]
+    assert cell_near(fusion.glass(), 1.8, 1.52) == UNKNOWN
+    driven = [SE2(1.8, float(y), UP) for y in np.arange(0.2, 3.0, 0.08)]
+    drive(fusion, driven, surfaces, panes[:1], start_s=50)  # that bay was a door
+    assert cell_near(fusion.occupancy(like), 1.8, 1.52) == FREE
+
+
+def box(x, y, half=0.05):
+    """Return the sides of a post."""
+    low, high = (x - half, y - half), (x + half, y + half)
+    return [(low[0], low[1], high[0], low[1]), (high[0], low[1], high[0], high[1]),
+            (high[0], high[1], low[0], high[1]), (low[0], high[1], low[0], low[1])]  # fmt: skip
+
+
+def cell_near(grid, x, y):
+    """Return the cell at a place, or of those a cell above and below it one that is not free."""
+    near = np.array([[x, y + d] for d in (-0.05, 0.0, 0.05)])
+    values = [int(grid.cells[r, c]) for r, c in grid.to_cells(near)]
+    return next((v for v in values if v != FREE), FREE)
+
+
 def test_the_glass_layer_claims_nothing_that_the_laser_sees(monkeypatch):
     moment = mapped(along(), ROOM, []).frozen()
     monkeypatch.setattr(moment, "panes", lambda: np.array([(0.0, -1.025, 3.0, -1.025)]))

@@ -1,73 +1,35 @@
 """Laser and sonars together, and each row of the sonars' table on the map (docs/map-glass.md)."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from pane_drives import (
+    LASER,
+    NUM_STEPS,
+    PANE_Y,
+    SILENT,
+    SONAR,
+    STEP_M,
+    S,
+    blind_to_glass,
+    cell,
+    drive,
+    num_glass,
+    pane,
+    reading,
+    true_echo,
+)
 from worlds import drive_around, scan_at, square_room
 
 from floornav_common.grid import FREE, OCCUPIED, UNKNOWN
-from floornav_common.readings import RangeReading
-from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.sonar_config import SonarConfig
 from grid_mapper.waiting_readings import MAX_WAITING
-
-S = 1_000_000_000
-LASER, SONAR = SE2(0.1, 0.0, 0.0), SE2(0.0, 0.1, math.pi / 2.0)
-FOV = math.radians(20.0)
-PANE_Y = 1.0
-NUM_STEPS = 34
-STEP_M = 0.06  # more than `sonar_key.distance_m`
-
-
-def blind_to_glass(x: float) -> Scan:
-    """Return a scan of a room 3 m deep to the left and right of a way along x; no pane in it."""
-    walls = np.array([(-3.0, y, 7.0, y) for y in (-3.0, 3.0)] + [(7, -3, 7, 3), (-3, -3, -3, 3)])
-    return scan_at(SE2(x, 0.0, 0.0) @ LASER, walls.astype(float))
-
-
-def reading(value: float, low: float = 0.1, high: float = 4.0, fov: float = FOV) -> RangeReading:
-    return RangeReading(value, fov, low, high)
-
-
-def drive(values, *, config: GridMapperConfig | None = None, mapper=None, passes: int = 1):
-    """Drive 2 m past a place, a sonar to the left; `values(step, x)` are its readings there."""
-    mapper = mapper or LayeredMapper(config or GridMapperConfig(fusion="overlay"))
-    number = mapper.laser.num_key_scans * 1000
-    for _ in range(passes):
-        for step in range(NUM_STEPS):
-            x, stamp_ns = step * STEP_M, (number + step) * S // 10
-            mapper.place_scan(stamp_ns, blind_to_glass(x), LASER, SE2(x, 0.0, 0.0))
-            for k, each in enumerate(values(step, x)):
-                mapper.place_range(stamp_ns + k, each, SONAR, "left", SE2(x, 0.0, 0.0))
-        number += NUM_STEPS
-    return mapper
-
-
-def cell(grid, x, y):
-    row, col = grid.to_cells(np.array([[x, y]]))[0]
-    return int(grid.cells[row, col])
-
-
-def pane(mapper, y=PANE_Y):
-    """Return how much of the pane, 0.3 to 1.7 m along the way, the map shows as obstacle."""
-    grid = mapper.occupancy()
-    return np.mean([
-        max(cell(grid, x, y + d) for d in (-0.05, 0.0, 0.05)) == OCCUPIED
-        for x in np.arange(0.3, 1.7, 0.05)
-    ])  # fmt: skip
-
-
-def true_echo(step, x):
-    return [reading(PANE_Y - SONAR.y)]
-
-
-def num_glass(mapper):
-    return int((mapper.glass_map().cells == OCCUPIED).sum())
 
 
 def test_a_pane_that_the_laser_sees_through_is_in_the_map_and_alone_in_its_layer():
@@ -88,20 +50,6 @@ def test_echoes_of_what_the_laser_calls_unknown_or_occupied_change_nothing():
     mapper = drive(lambda step, x: [reading(3.5)])  # half a meter behind the wall
     assert num_glass(mapper) == 0
     np.testing.assert_array_equal(mapper.occupancy().cells, mapper.laser_map().cells)
-
-
-# Rows of the table: what a reading does to a map without a pane, and to one with a pane.
-SILENT = {
-    "NaN": reading(math.nan),
-    "+inf": reading(math.inf),
-    "-inf": reading(-math.inf),
-    "== max": reading(4.0),
-    "> max": reading(4.5),
-    "< min": reading(0.05),
-    "0": reading(0.0),
-    "fixed distance, +inf": reading(math.inf, 0.9, 0.9),
-    "fixed distance, a number": reading(0.9, 0.9, 0.9),
-}
 
 
 @pytest.mark.parametrize("name", SILENT)
@@ -356,3 +304,37 @@ def test_values_changed_on_the_way_reach_the_fusion():
     assert num_glass(mapper) > 0 and mapper.num_bytes > mapper.laser.num_bytes
     mapper.reconfigure(GridMapperConfig(fusion="bayes", bayes=BayesConfig(pane_views=1e6)))
     assert num_glass(mapper) == 0
+
+
+@pytest.mark.parametrize("fusion", ["overlay", "bayes", "none"])
+def test_a_moment_gives_the_layers_of_then_whatever_comes_later(fusion):
+    config = GridMapperConfig(fusion=fusion)
+    mapper, same = drive(true_echo, config=config), drive(true_echo, config=config)
+    before, moment = same.layers(), mapper.moment()
+    mapper.reset()
+    drive(lambda step, x: [reading(0.5)], mapper=mapper)
+    mapper.reconfigure(GridMapperConfig(fusion=fusion, sonar=SonarConfig(min_points=1e6)))
+    for name in ("occupancy", "laser", "sonar", "glass"):
+        then, now = getattr(before, name), getattr(moment.layers(), name)
+        np.testing.assert_array_equal(then.cells, now.cells)
+        assert then.origin == now.origin
+
+
+@pytest.mark.parametrize("fusion", ["overlay", "bayes"])
+def test_layers_made_in_a_thread_while_mapping_goes_on_change_nothing_of_it(fusion):
+    config = GridMapperConfig(fusion=fusion)
+    alone, watched = LayeredMapper(config), LayeredMapper(config)
+    with ThreadPoolExecutor(1) as thread:
+        asked = []
+        for mapper in (alone, watched):
+            for step in range(NUM_STEPS):
+                here = SE2(step * STEP_M, 0.0, 0.0)
+                mapper.place_scan(step * S // 10, blind_to_glass(here.x), LASER, here)
+                mapper.place_range(step * S // 10, true_echo(0, 0.0)[0], SONAR, "left", here)
+                if mapper is watched:
+                    asked.append(thread.submit(mapper.moment().layers))
+        assert all(len(one.result().occupancy.cells) for one in asked)
+    np.testing.assert_array_equal(
+        asked[-1].result().occupancy.cells, alone.layers().occupancy.cells
+    )
+    np.testing.assert_array_equal(watched.occupancy().cells, alone.occupancy().cells)

@@ -35,7 +35,7 @@ def found(rows, cells, config=None):
     """Return the stretches of the only line, along +x."""
     config = config or BayesConfig()
     (line,) = find_lines(views(*rows), config)
-    ends = stretches(line, views(*rows), config, cells)
+    ends = stretches(line, views(*rows), config, cells).glass
     return sorted((-b, -a) for a, b in ends.tolist())  # the line runs along -x
 
 

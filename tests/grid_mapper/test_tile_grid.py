@@ -28,6 +28,18 @@ def test_values_stay_where_they_were_while_the_plane_grows(steps):
     assert found == expected
 
 
+def test_a_frozen_plane_reaches_as_far_as_it_did():
+    grid = TileGrid(0.1, value=(np.int32, ()))
+    grid.ensure_tiles(np.array([[0, 0], [1, 1]]))
+    grid.fields["value"][0, 3, 4] = 7
+    frozen = grid.frozen()
+    grid.ensure_tiles(np.array([[0, 1], [-9, 9]]))  # within its table, and beyond
+    dense, corner = frozen.dense("value")
+    assert dense.shape == (2 * TILE_CELLS, 2 * TILE_CELLS) and corner.tolist() == [0, 0]
+    assert dense[3, 4] == 7 and frozen.num_tiles == 2
+    assert find_slot(frozen.table, frozen.corner, 0, TILE_CELLS) == -1
+
+
 def test_memory_grows_with_the_area_touched_not_with_the_distance():
     grid = TileGrid(0.05, value=(np.int8, ()))
     grid.ensure_tiles(np.array([[0, 0], [300, 300]]))

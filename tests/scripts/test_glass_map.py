@@ -105,7 +105,7 @@ def test_every_row_is_judged_and_sonar_brings_the_glass(room: Path, log: GlassLo
     assert rows["laser"]["false_occupied"] < 0.002
     assert rows["laser"]["wall_error_m"] < 0.04
     assert all(Path(picture).stat().st_size > 0 for picture in result["pictures"])
-    sums = path_sums([result])
+    sums = path_sums([result], "paths")
     assert sums["laser"] is not None
     assert sums["laser"]["pairs"] == 6
     values = {"tables": [], "methods": spreads([result], "icp"), "paths": sums}

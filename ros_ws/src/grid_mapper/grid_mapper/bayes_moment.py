@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from floornav_common.grid import OCCUPIED, UNKNOWN, OccupancyMap
+from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.echo_judging import judge
 from grid_mapper.opaque_cells import OpaqueCells
 from grid_mapper.pane_lines import PaneLine, find_lines
 from grid_mapper.pane_stretches import stretches
+from grid_mapper.post_rows import post_rows
 
 
 class BayesMoment:
@@ -34,13 +35,15 @@ class BayesMoment:
         self._config = config
         self._views, self._fresh, self._firsts = views, fresh, firsts
         self._opaque = opaque
-        self._panes: np.ndarray | None = None
+        self._found: tuple[np.ndarray, np.ndarray] | None = None
 
     def panes(self) -> np.ndarray:
         """Return the stretches of glass found, as (x0, y0, x1, y1), shape (N, 4), m."""
-        if self._panes is None:
-            self._panes = self._find_panes()
-        return self._panes
+        return self._all_found()[0]
+
+    def in_doubt(self) -> np.ndarray:
+        """Return the stretches that may be glass as well as open, shape (N, 4), m."""
+        return self._all_found()[1]
 
     def glass(self) -> OccupancyMap:
         """Return the panes: occupied there, unknown elsewhere, over all that the laser saw."""
@@ -52,26 +55,34 @@ class BayesMoment:
         return OccupancyMap(cells, empty.resolution, origin)
 
     def occupancy(self, laser_map: OccupancyMap) -> OccupancyMap:
-        """Return the laser's map with the panes in it."""
-        cells = laser_map.cells.copy()
-        cells[on_panes(laser_map, self.panes(), self._config.bayes.half_thickness_m)] = OCCUPIED
+        """Return the laser's map with the panes in it; what is in doubt is not free."""
+        cells, half = laser_map.cells.copy(), self._config.bayes.half_thickness_m
+        cells[on_panes(laser_map, self.in_doubt(), half) & (cells == FREE)] = UNKNOWN
+        cells[on_panes(laser_map, self.panes(), half)] = OCCUPIED
         return OccupancyMap(cells, laser_map.resolution, laser_map.origin)
 
-    def _find_panes(self) -> np.ndarray:
+    def _all_found(self) -> tuple[np.ndarray, np.ndarray]:
+        if self._found is None:
+            self._found = self._find()
+        return self._found
+
+    def _find(self) -> tuple[np.ndarray, np.ndarray]:
         config, views = self._config.bayes, self._views
         judge(
             views, self._fresh, self._firsts, config.explained_m, config.range_tolerance_m,
             config.range_tolerance_share, self._opaque.cells,
         )  # fmt: skip
-        found: list[np.ndarray] = []
+        panes: list[np.ndarray] = []
+        doubts: list[np.ndarray] = []
         for line in sorted(find_lines(views, config), key=lambda p: p.range):
-            if self._is_heard_through(line, found):
-                continue
-            ends = stretches(line, views, config, self._opaque.cells)
-            foot = line.rho * np.array([np.cos(line.theta), np.sin(line.theta)])
-            way = np.array([-np.sin(line.theta), np.cos(line.theta)])
-            found += [np.concatenate((foot + a * way, foot + b * way)) for a, b in ends]
-        return np.array(found).reshape(-1, 4)
+            if not self._is_heard_through(line, panes):
+                found = stretches(line, views, config, self._opaque.cells)
+                panes += _segments(line, found.glass)
+                doubts += _segments(line, found.in_doubt)
+        for row in post_rows(*self._opaque.dense(), self._config.resolution_m, config.max_bay_m):
+            found = stretches(row, views, config, self._opaque.cells)
+            doubts += _segments(row, found.in_doubt)
+        return np.array(panes).reshape(-1, 4), np.array(doubts).reshape(-1, 4)
 
     def _is_heard_through(self, line: PaneLine, panes: list[np.ndarray]) -> bool:
         """Tell whether most echoes of a line came from behind panes nearer than it."""
@@ -87,6 +98,13 @@ class BayesMoment:
         for x0, y0, x1, y1 in panes:
             is_behind |= _cross(places, ends, np.array([x0, y0]), np.array([x1, y1]))
         return bool(is_behind.mean() > 0.5)
+
+
+def _segments(line: PaneLine, ends: np.ndarray) -> list[np.ndarray]:
+    """Return stretches of a line, each as (x0, y0, x1, y1)."""
+    foot = line.rho * np.array([np.cos(line.theta), np.sin(line.theta)])
+    way = np.array([-np.sin(line.theta), np.cos(line.theta)])
+    return [np.concatenate((foot + a * way, foot + b * way)) for a, b in ends]
 
 
 def _cross(a: np.ndarray, b: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:

@@ -11,13 +11,16 @@ opaque thing that the laser sees on the line: a post, a frame, a wall.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
 from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.echo_judging import wrapped
 from grid_mapper.opaque_cells import Cells, at
-from grid_mapper.pane_lines import PaneLine, along_line, is_supported, lies_on
+from grid_mapper.pane_bays import GLASS, NEUTRAL, OPAQUE, OPEN, WEAK, filled, in_doubt, supported
+from grid_mapper.pane_lines import PaneLine, along_line, lies_on
 
 SPOT_M = 0.1
 """Half the length of glass that sends an echo back: the first Fresnel zone at 50 kHz and 2 m."""
@@ -33,14 +36,27 @@ FREE_BEYOND_M = 0.15
 """A miss counts where the cone was free so far beyond the line."""
 MIN_HITS = 3
 """Beams come back from dirt too; from one place so many do not in passing."""
-NEUTRAL, WEAK, GLASS, OPEN, OPAQUE = 0, 1, 2, 3, 4
+POST_M = 0.3
+"""What is opaque over more than this along a line is a wall."""
 
 
-def stretches(line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cells) -> np.ndarray:
-    """Return the stretches of a line that are glass, as ends (from, to) along it, shape (N, 2), m.
+class Stretches(NamedTuple):
+    """Stretches of a line, as ends (from, to) along it, shape (N, 2) each, m.
+
+    Attributes:
+        glass: What is believed to be glass.
+        in_doubt: What may be glass as well as open; see `pane_bays.in_doubt`.
+    """
+
+    glass: np.ndarray
+    in_doubt: np.ndarray
+
+
+def stretches(line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cells) -> Stretches:
+    """Return the stretches of a line that are glass, and those that may be.
 
     Args:
-        line: The line.
+        line: The line; one without echoes is a row of posts from `low` to `high`.
         views: All views.
         config: Its log-odds, `max_bay_m`, `weak_share` and what a pane needs are used.
         cells: Of the laser.
@@ -48,11 +64,23 @@ def stretches(line: PaneLine, views: np.ndarray, config: BayesConfig, cells: Cel
     step, first = cells.resolution, line.low - config.line_reach_m
     num = int(np.ceil((line.high + config.line_reach_m - first) / step))
     states = _states(line, views, config, cells, first, num)
-    bins = np.floor((along_line(views[line.echoes], line.theta) - first) / step).astype(np.int64)
-    is_carried = _supported(states, views[line.echoes], bins, config)
-    is_glass = _filled(states, is_carried, round(config.max_bay_m / step), config.weak_share)
-    edges = np.flatnonzero(np.diff(np.pad(is_glass.astype(np.int8), 1)))
-    return np.asarray(first + step * edges.reshape(-1, 2))
+    max_bins, post_bins = (round(m / step) for m in (config.max_bay_m, POST_M))
+    if len(line.echoes):
+        bins = np.floor((along_line(views[line.echoes], line.theta) - first) / step)
+        is_carried = supported(states, views[line.echoes], bins.astype(np.int64), config)
+        is_start = is_glass = filled(states, is_carried, max_bins, config.weak_share)
+    else:
+        along = first + (np.arange(num) + 0.5) * step
+        states[states == GLASS] = WEAK  # beams from dirt; no echo
+        is_start = (states == OPAQUE) & (along > line.low) & (along < line.high)
+        is_glass = np.zeros(num, bool)
+    doubt = in_doubt(states, is_start, max_bins, post_bins) & ~is_glass
+    return Stretches(*(first + step * _runs(mask) for mask in (is_glass, doubt)))
+
+
+def _runs(mask: np.ndarray) -> np.ndarray:
+    """Return where runs of True begin and end, shape (N, 2)."""
+    return np.flatnonzero(np.diff(np.pad(mask.astype(np.int8), 1))).reshape(-1, 2)
 
 
 def _states(
@@ -79,34 +107,6 @@ def _states(
     states[(odds < -config.min_log_odds) | has_gone] = OPEN
     states[is_opaque] = OPAQUE
     return np.asarray(states)
-
-
-def _supported(
-    states: np.ndarray, echoes: np.ndarray, bins: np.ndarray, config: BayesConfig
-) -> np.ndarray:
-    """Return which bins of glass keep, between openings, the echoes that a pane needs."""
-    is_glass = states == GLASS
-    part = np.cumsum(states == OPEN)
-    is_carried = np.zeros(len(states), bool)
-    for k in np.unique(part[is_glass]):
-        mine = echoes[is_glass[bins] & (part[bins] == k)]
-        is_carried |= is_glass & (part == k) & is_supported(mine, config)
-    return is_carried
-
-
-def _filled(
-    states: np.ndarray, is_carried: np.ndarray, max_bins: int, weak_share: float
-) -> np.ndarray:
-    """Return which bins are glass once bays between glass and glass or opaque bins are filled."""
-    is_glass = states == GLASS
-    ends = np.flatnonzero(states >= GLASS)
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
-        kinds = {int(states[a]), int(states[b])}
-        if OPEN in kinds or not 1 < b - a <= max_bins + 1:
-            continue
-        if is_carried[a] or is_carried[b] or (states[a + 1 : b] == WEAK).mean() >= weak_share:
-            is_glass[a + 1 : b] = True
-    return np.asarray(is_glass)
 
 
 @numba.njit(cache=True, inline="always")
