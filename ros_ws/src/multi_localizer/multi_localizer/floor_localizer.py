@@ -90,7 +90,10 @@ class FloorLocalizer:
         """Compile what is compiled, on a mask of the camera's size; nothing is kept of it."""
         camera = self._calibrated
         mask = camera.floor_mask(0.3 * self._plan.reach).astype(np.uint8)
-        self._fitter(mask.shape).fit(mask, None)
+        fitter = self._fitter(mask.shape)
+        fitter.fit(mask, None)
+        mask.flags.writeable = False  # as those of messages are: other code is compiled for them
+        fitter.fit(mask, PoseEstimate(SE2.identity(), np.eye(3)))
 
     def _fitter(self, shape: tuple[int, ...]) -> Fitter:
         if shape not in self._fitters:

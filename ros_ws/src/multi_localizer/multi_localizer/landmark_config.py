@@ -11,9 +11,14 @@ from floornav_common.config import param, validate
 class LandmarkConfig:
     """Pose from bearings of landmarks, and distances where the floor shows them."""
 
-    bearing_sd_rad: float = param(0.01, "Deviation of a bearing.", unit="rad", gt=0.0, le=0.5)
+    bearing_sd_rad: float = param(0.004, "Deviation of a bearing.", unit="rad", gt=0.0, le=0.5)
+    floor_offset_px: float = param(
+        1.0,
+        "How far before a foot the floor ends in the mask: pixels that are part landmark.",
+        unit="px",
+    )
     floor_sd_px: float = param(
-        0.7, "Deviation of the floor's end along a ray, in pixels of the mask.", unit="px", gt=0.0
+        0.8, "Deviation of the floor's end along a ray, in pixels of the mask.", unit="px", gt=0.0
     )
     gate_sd: float = param(
         4.0, "A landmark farther off than so many deviations is left out.", gt=1.0

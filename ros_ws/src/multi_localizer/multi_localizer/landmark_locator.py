@@ -20,7 +20,7 @@ from multi_localizer.landmark_fit import (
     open_geometry,
     residuals,
 )
-from multi_localizer.landmark_starts import choices, poses_of, rough_costs
+from multi_localizer.landmark_starts import choices, refined_poses, rough_costs
 from multi_localizer.landmarks import Landmark, Landmarks
 from multi_localizer.pose_estimate import PoseEstimate, mahalanobis
 
@@ -195,8 +195,7 @@ class LandmarkLocator:
                 num += 1
                 if num > self._config.max_tries:
                     return
-                points = np.array([mark.point_seen(self._middle) for mark in marks])
-                yield from poses_of(few, points)
+                yield from refined_poses(few, marks, self._middle)
 
     def _combinations(self, seen: list[Sighting]) -> Iterator[tuple[Landmark, ...]]:
         for marks in itertools.product(*(self._landmarks[s.kind] for s in seen)):

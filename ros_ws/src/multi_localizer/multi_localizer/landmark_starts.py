@@ -12,7 +12,9 @@ from floornav_common.se2 import SE2
 from multi_localizer.landmark_circle import circle_of_pair, meet_again, pose_at
 from multi_localizer.landmark_fit import Sighting
 from multi_localizer.landmark_floor import floor_fix
-from multi_localizer.landmarks import Landmarks
+from multi_localizer.landmarks import Landmark, Landmarks
+
+_LOOKS, _MOST = 2, 4
 
 
 def choices(seen: Sequence[Sighting]) -> list[tuple[int, ...]]:
@@ -32,6 +34,35 @@ def choices(seen: Sequence[Sighting]) -> list[tuple[int, ...]]:
         return -_num_values(seen, chosen), -min(gaps)
 
     return sorted(pairs, key=worth) + sorted(triples, key=worth)
+
+
+def refined_poses(
+    seen: Sequence[Sighting], marks: Sequence[Landmark], place: np.ndarray
+) -> list[SE2]:
+    """Return the poses that sightings of landmarks give.
+
+    Which end of a wide landmark is seen depends on the place, so poses are found again from where
+    the last ones are.
+
+    Args:
+        seen: Two or three sightings.
+        marks: The landmark of each.
+        place: Where ends are seen from at first, (2,), m.
+    """
+    poses = poses_of(seen, np.array([mark.point_seen(place) for mark in marks]))
+    if all(len(mark.corners) == 1 for mark in marks):
+        return poses
+    found, newest = list(poses), poses
+    for _ in range(_LOOKS):
+        newest = [
+            again
+            for pose in newest
+            for again in poses_of(
+                seen, np.array([m.point_seen(np.array([pose.x, pose.y])) for m in marks])
+            )
+        ][:_MOST]
+        found += newest
+    return found
 
 
 def poses_of(seen: Sequence[Sighting], points: np.ndarray) -> list[SE2]:

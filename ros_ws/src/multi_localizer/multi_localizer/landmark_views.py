@@ -79,9 +79,8 @@ class LandmarkViews:
         end = ends.end(mask, bearing)
         if end is None:
             return Sighting(kind, bearing, sd)
-        return Sighting(
-            kind, bearing, sd, end.distance, self._config.floor_sd_px * end.meters_per_px
-        )
+        distance = end.distance + self._config.floor_offset_px * end.meters_per_px
+        return Sighting(kind, bearing, sd, distance, self._config.floor_sd_px * end.meters_per_px)
 
     def _has_foot(self, kind: str) -> bool:
         """Tell whether floor ends at the very point that bearings of a class are of.
