@@ -6,10 +6,13 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from painted_floors import BROWN, GRAY, WHITE, behind, painted, robot_body, upright_camera
 
-from floor_perception.config import ColorConfig, FloorDetectorConfig
+from floor_perception.config import ColorConfig, FloorDetectorConfig, TemplateConfig
 from floor_perception.floor_detector import FloorDetector
+from floor_perception.glare import GlareFinder
+from floor_perception.polar_template import make_template
 
 CAMERA = upright_camera()
 GLARE = (behind(0.0, 0.3, 0.5), (255, 255, 255))
@@ -49,3 +52,25 @@ def test_glare_behind_an_obstacle_hides_nothing() -> None:
 def test_a_share_of_one_takes_glare_for_an_obstacle() -> None:
     angles, ranges = ranges_of(GLARE, glare_share=1.0)
     assert (np.abs(ranges[near(angles, 0.0)] - 0.5) < 0.05).all()
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+def test_more_than_the_share_of_what_is_not_floor_must_be_saturated(share: float) -> None:
+    """Half of one cell is no floor; the share of that half, to a pixel, is the border."""
+    template = make_template(CAMERA, TemplateConfig(num_rings=6, num_directions=32))
+    way, ring = 16, 3
+    rows, columns = np.nonzero(template.cells == way * 6 + ring)
+    ratios = np.ones((32, 6))
+    ratios[way, ring:] = 0.5
+    num = int(share * 0.5 * len(rows))
+    assert num >= 10
+
+    def found(num_saturated: int, value: int) -> list[int]:
+        image = np.full((220, 256, 3), 100, dtype=np.uint8)
+        image[rows[:num_saturated], columns[:num_saturated]] = value
+        return np.flatnonzero(GlareFinder(template).unseen(image, ratios, 0.6, share)).tolist()
+
+    assert found(num, 255) == []
+    assert found(num + 1, 255) == [way]
+    assert found(num + 1, 252) == [way]
+    assert found(num + 1, 251) == []

@@ -55,6 +55,20 @@ def test_every_cell_of_the_default_can_decide(size: tuple[int, int]) -> None:
     assert template.areas.sum() == (template.cells >= 0).sum()
 
 
+def test_a_cell_too_small_for_a_pixel_is_decided_by_the_one_its_middle_lies_in() -> None:
+    camera = upright_camera()
+    template = make_template(camera, TemplateConfig(num_directions=360))
+    (empty,) = np.nonzero(template.areas == 0)
+    assert len(empty) > 100
+    middles = 0.5 * (template.edges[:-1] + template.edges[1:])
+    r, bearing = middles[empty % 36], template.bearings[empty // 36]
+    points = np.stack((r * np.cos(bearing), r * np.sin(bearing)), -1)
+    u, v = np.rint(camera.floor_pixels(points)).astype(int).T
+    assert (template.stand_ins[empty] == template.cells[v, u]).all()
+    whole = np.nonzero(template.areas > 0)[0]
+    assert (template.stand_ins[whole] == whole).all()
+
+
 def test_spans_hold_every_pixel_of_a_cell_and_no_more() -> None:
     template = make_template(upright_camera(), PAPER)
     for row, (first, past) in zip(template.cells, template.spans, strict=True):
