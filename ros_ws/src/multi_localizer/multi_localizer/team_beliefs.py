@@ -16,6 +16,7 @@ from multi_localizer.team_pairs import MAX_CANDIDATES, NONE
 
 _MOST = 1e12
 _LEAST = 1e-12
+_SETTLED = 0.02  # change of the odds' logarithm at which messages end
 
 
 @numba.njit(cache=True)
@@ -36,9 +37,12 @@ def beliefs(
     odds = np.zeros((n, n, MAX_CANDIDATES))
     free = np.ones((n, n, MAX_CANDIDATES + 1))
     claims = np.zeros(num_bearings)
+    before = np.zeros(num_bearings)
     for _ in range(rounds):
         for i in range(n):
             for j in range(i + 1, n):
+                if counts[i, j] + counts[j, i] == 0:
+                    continue
                 _say_odds(
                     likelihoods[i, j], free[i, j], free[j, i], counts[i, j], counts[j, i],
                     odds[i, j], odds[j, i],
@@ -49,6 +53,9 @@ def beliefs(
                 for c in range(counts[i, j]):
                     others = max(claims[candidates[i, j, c]] - odds[i, j, c], 0.0)
                     free[i, j, c] = 1.0 / (1.0 + others)
+        if np.max(np.abs(np.log1p(claims) - np.log1p(before))) < _SETTLED:
+            break
+        before[:] = claims
     result = np.zeros((n, n, MAX_CANDIDATES))
     for i in range(n):
         for j in range(n):

@@ -43,11 +43,11 @@ class TeamConfig:
         0.02, "Chance that a robot is seen although a body seems to hide it.", gt=0.0, le=1.0
     )
     new_share: float = param(
-        0.2, "Of all bearings at most this share, the surest, begins to count in one round.",
+        0.3, "Of all bearings at most this share, the surest, begins to count in one round.",
         gt=0.0, le=1.0,
     )  # fmt: skip
     max_rounds: int = param(
-        16, "Identities are looked at again at most so many times.", ge=1, le=100
+        12, "Identities are looked at again at most so many times.", ge=1, le=100
     )
     num_messages: int = param(
         15, "Messages run between pairs and bearings so many times a round.", ge=1, le=1000
@@ -60,7 +60,7 @@ class TeamConfig:
         5.0, "A position known worse than this along an axis is not known.", unit="m", gt=0.0
     )
     explained_share: float = param(
-        0.75, "A robot of whose bearings less than this share fits anybody is looked for anew.",
+        0.95, "A robot of whose bearings less than this share fits anybody is looked for anew.",
         ge=0.0, le=1.0,
     )  # fmt: skip
     least_views: int = param(

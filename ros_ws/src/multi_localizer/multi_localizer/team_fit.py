@@ -18,7 +18,7 @@ from multi_localizer.team_problem import TeamProblem
 
 _WEAK = 1e-6  # 1 / m^2: a kilometer
 _WEAK_YAW = 1e-4  # 1 / rad^2
-_STOP = 1e-5  # m and rad: a step as short ends the iteration
+_STOP = 3e-4  # m and rad: a step as short ends the iteration
 
 
 @dataclass(frozen=True, eq=False)

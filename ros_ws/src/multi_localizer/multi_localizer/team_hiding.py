@@ -21,19 +21,26 @@ def visibility(x: np.ndarray, cov: np.ndarray, radius: float, least: float) -> n
     spread = np.empty(n)
     for i in range(n):
         spread[i] = 0.5 * (cov[3 * i, 3 * i] + cov[3 * i + 1, 3 * i + 1])
+    most = np.max(spread)
     for i in range(n):
         for j in range(i + 1, n):
             dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
             squared = max(dx * dx + dy * dy, 1e-9)
             length = np.sqrt(squared)
+            inverse = 1.0 / squared
+            widest = radius + 3.0 * np.sqrt(most + max(spread[i], spread[j]))
             for k in range(n):
-                if k in (i, j):
-                    continue
                 ex, ey = x[k, 0] - x[i, 0], x[k, 1] - x[i, 1]
-                along = (ex * dx + ey * dy) / squared
-                if along <= 0.0 or along >= 1.0:
+                along = (ex * dx + ey * dy) * inverse
+                across = ex * dy - ey * dx
+                if (
+                    along <= 0.0
+                    or along >= 1.0
+                    or across * across * inverse > widest * widest
+                    or k in (i, j)
+                ):
                     continue
-                beside = abs(ex * dy - ey * dx) / length
+                beside = abs(across) / length
                 sd = np.sqrt(spread[k] + along**2 * spread[j] + (1.0 - along) ** 2 * spread[i])
                 far = (beside - radius) / max(sd, 1e-3)
                 if far < 3.0:

@@ -24,7 +24,8 @@ from multi_localizer.team_yaws import settle_yaws
 
 _PLAIN = 1e3  # deviations: no residual counts less
 _LEVELS = (0.95, 0.8, 0.6)
-_FEW_STEPS = 6  # of the fit within a round; the next one goes on
+_FEW = 0.007  # share of the bearings that may change in a settled round
+_FEW_STEPS = 10  # of the fit within a round; the next one goes on
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,8 @@ def refine(problem: TeamProblem, state: Identification, config: TeamConfig) -> I
         weighed = _believe(problem, state, config)
         seen = choose(weighed.owner, weighed.belief, state.seen, _LEVELS[level], config.new_share)
         marks = find_marks(problem, state.fit, config)
-        is_settled = np.array_equal(seen, state.seen) and np.array_equal(marks, state.mark_seen)
+        num_changed = np.sum(seen != state.seen) + np.sum(marks != state.mark_seen)
+        is_settled = num_changed <= _FEW * len(seen)
         limit = _PLAIN if turn < 2 else config.gate_sd
         fit = fit_poses(
             problem, state.fit.poses, seen, marks, state.prior_weight, limit, _FEW_STEPS

@@ -19,7 +19,7 @@ _NEAREST = 1e-6  # m^2; two robots in one place have no direction
 @numba.njit(cache=True, inline="always")
 def wrap(angle: float) -> float:
     """Return the angle in [-pi, pi) that points the same way."""
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
+    return angle - 2.0 * np.pi * np.floor(angle / (2.0 * np.pi) + 0.5)
 
 
 @numba.njit(cache=True, inline="always")
