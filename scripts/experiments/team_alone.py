@@ -24,7 +24,6 @@ LEAST_POSTS = 3
 _STEP_M = 0.2
 _ROUNDS = 20
 _STILL = 1e-6
-_LEAST_INFORMATION = 1e-2  # 1 / m^2: what the field's size says of a robot on it
 
 
 def circles(scene: Scene) -> TeamSolution:
@@ -93,10 +92,17 @@ def _yaw_at(place: np.ndarray, places: np.ndarray, bearings: np.ndarray) -> floa
 
 def _costs(spots: np.ndarray, places: np.ndarray, bearings: np.ndarray) -> np.ndarray:
     """Return the sum of squared bearing errors at each spot, with the yaw that suits it, (S,)."""
+    off, yaws = _offsets(spots, places, bearings)
+    return np.square(_wrapped(off - yaws[:, None])).sum(axis=1)
+
+
+def _offsets(
+    spots: np.ndarray, places: np.ndarray, bearings: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the yaw by each bearing at each spot, (S, K), and their mean, (S,)."""
     to_posts = places - spots[:, None]
     off = np.arctan2(to_posts[..., 1], to_posts[..., 0]) - bearings
-    mean = np.arctan2(np.sin(off).sum(axis=1), np.cos(off).sum(axis=1))
-    return np.square(_wrapped(off - mean[:, None])).sum(axis=1)
+    return off, np.arctan2(np.sin(off).sum(axis=1), np.cos(off).sum(axis=1))
 
 
 def _wrapped(angles: np.ndarray) -> np.ndarray:
@@ -116,17 +122,24 @@ def _grid() -> np.ndarray:
 
 def _solution(scene: Scene, found: dict[str, SE2 | None]) -> TeamSolution:
     estimates = {
-        view.name: PoseEstimate(pose, _covariance(pose, _posts(view)[0], scene.senses.noise))
+        view.name: PoseEstimate(pose, _covariance(pose, *_posts(view), scene.senses.noise))
         for view in scene.views
         if (pose := found[view.name]) is not None
     }
     return TeamSolution(names=scene.layout.names, estimates=estimates)
 
 
-def _covariance(pose: SE2, places: np.ndarray, noise: float) -> np.ndarray:
-    """Return the covariance of a pose by bearings, as if it stood where it is said to."""
-    J, _ = bearing_gradients(pose.as_array(), places)
-    return np.linalg.inv(J.T @ J / noise**2 + _LEAST_INFORMATION * np.eye(3))
+def _covariance(pose: SE2, places: np.ndarray, bearings: np.ndarray, noise: float) -> np.ndarray:
+    """Return the covariance about a pose of all spots of the field, as likely as they are.
+
+    From some places the posts look almost alike from the other end of the field: then it is large.
+    """
+    costs = _costs(_GRID, places, bearings) / noise**2
+    weights = np.exp(-0.5 * (costs - costs.min()))
+    _, yaws = _offsets(_GRID, places, bearings)
+    off = np.column_stack((_GRID - (pose.x, pose.y), _wrapped(yaws - pose.yaw)))
+    cov = (weights[:, None] * off).T @ off / weights.sum()
+    return np.asarray(cov + np.diag(np.square((0.5 * _STEP_M, 0.5 * _STEP_M, noise))))
 
 
 _GRID = _grid()
