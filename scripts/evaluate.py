@@ -29,11 +29,13 @@ EXPERIMENTS = {
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
     "free-space-odometry": "kiss-icp on free space that a camera saw, along a driven route: drift",
     "floor-images": "floor mask and free space on real pictures: --images DIR",
+    "floor-localization": "pose from the floor's shape beside the paper's Table 1 and the bound",
     "velocity-avoidance": "driving round cubes with and without regard to velocity, seen by mirror",
     "glass-map": "the glass paper's two places and drawn floors with glass, mapped by each method",
     "landmark-localization": "a robot alone by goal posts: methods 1 and 2 of the team paper",
     "live-team": "four simulated robots see each other, each with its own nodes: errors live",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
+    "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
 }
 
 

@@ -16,9 +16,7 @@ predicted last. Errors of bearings that one place repeats are alike, and are cou
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,26 +25,9 @@ from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_filter_config import TeamFilterConfig
 from multi_localizer.team_gaussian import SensorErrors, TeamGaussian
 from multi_localizer.team_meanings import tell_apart
+from multi_localizer.team_robot import RobotRecord
 from multi_localizer.team_sightings import Looks, Sighting
-from multi_localizer.team_start import Clue, Driven, find_start
-
-_NS = 1_000_000_000
-_START_EVERY_NS = _NS // 2
-_SOONEST_S = 0.05
-
-
-@dataclass(eq=False)
-class _Robot:
-    """What is kept of one robot beside its part of the joint state."""
-
-    index: int
-    driven: Driven = field(default_factory=lambda: Driven(SE2.identity()))
-    clues: deque[Clue] = field(default_factory=deque)
-    outcomes: deque[bool] = field(default_factory=deque)
-    seen_ns: dict[str, int] = field(default_factory=dict)
-    stamp_ns: int | None = None
-    tried_ns: int | None = None
-    is_located: bool = False
+from multi_localizer.team_start import find_start
 
 
 class TeamFilter:
@@ -63,7 +44,7 @@ class TeamFilter:
         if not names:
             raise ValueError("names must hold at least one robot, got none")
         self._config = config
-        self._robots = {name: _Robot(k) for k, name in enumerate(names)}
+        self._robots = {name: RobotRecord(k) for k, name in enumerate(names)}
         self._landmarks = {k: np.asarray(p, float).reshape(2) for k, p in landmarks.items()}
         self._state = TeamGaussian(len(names), config)
 
@@ -78,13 +59,9 @@ class TeamFilter:
                 configured noise.
         """
         robot = self._robot(name)
-        last_ns = stamp_ns if robot.stamp_ns is None else robot.stamp_ns
-        if stamp_ns < last_ns:
-            raise ValueError(f"stamp_ns of {name} must not go back, got {stamp_ns} < {last_ns}")
-        robot.stamp_ns = stamp_ns
-        robot.driven = robot.driven.moved(motion)
+        dt = robot.move(motion, stamp_ns)
         if robot.is_located:
-            self._state.move(robot.index, motion, (stamp_ns - last_ns) / _NS, cov)
+            self._state.move(robot.index, motion, dt, cov)
 
     def update(self, name: str, sightings: Sequence[Sighting], stamp_ns: int) -> Looks:
         """Correct the team by one picture of a robot.
@@ -108,13 +85,13 @@ class TeamFilter:
         deviations = np.full(len(taken), np.nan)
         for k, (sighting, meaning) in enumerate(zip(sightings, taken, strict=True)):
             if np.isfinite(sighting.bearing):
-                var = self._var(robot, meaning, stamp_ns)
-                self._remember(name, sighting, meaning, var, stamp_ns)
+                var = robot.bearing_var(meaning, stamp_ns, self._config)
                 if meaning and robot.is_located and self._is_placed(meaning):
                     target = self._target(meaning)
                     square, used = self._state.learn(robot.index, sighting.bearing, target, var)
                     deviations[k], is_used[k] = square, used
                     robot.outcomes.append(used)
+                self._remember(name, sighting, meaning, var, stamp_ns)
         self._settle(name, stamp_ns)
         return Looks(tuple(taken), is_used, deviations)
 
@@ -129,6 +106,17 @@ class TeamFilter:
     def errors_of(self, name: str) -> SensorErrors:
         """Return what the sensors of a robot do wrong, as estimated so far."""
         return self._state.errors(self._robot(name).index)
+
+    def expect(self, name: str, sighting: Sighting) -> tuple[float, float] | None:
+        """Return how far a bearing is off, rad, and its variance, rad^2, and learn nothing of it.
+
+        None if the robot or what it sees is not located, or the sighting has several meanings.
+        """
+        robot, meaning = self._robot(name), _only(sighting, name)
+        if not (meaning and robot.is_located and self._is_placed(meaning)):
+            return None
+        off, var = self._state.expect(robot.index, sighting.bearing, self._target(meaning))
+        return None if var < 0.0 else (off, var + self._config.bearing_sd_rad**2)
 
     def place(self, name: str, estimate: PoseEstimate) -> None:
         """Say where a robot is, from another source; what was known of its pose is dropped."""
@@ -145,7 +133,7 @@ class TeamFilter:
         while len(robot.clues) > self._config.lost_looks:
             robot.clues.popleft()
 
-    def _robot(self, name: str) -> _Robot:
+    def _robot(self, name: str) -> RobotRecord:
         if name not in self._robots:
             raise ValueError(f"name must be one of {sorted(self._robots)}, got {name!r}")
         return self._robots[name]
@@ -158,19 +146,11 @@ class TeamFilter:
             return self._landmarks[meaning]
         return self._robots[meaning].index
 
-    def _var(self, robot: _Robot, meaning: str, stamp_ns: int) -> float:
-        """Return the variance of a bearing: the sooner it repeats the last, the wider."""
-        var = self._config.bearing_sd_rad**2
-        if meaning not in robot.seen_ns:
-            return var
-        gap = max((stamp_ns - robot.seen_ns[meaning]) / _NS, _SOONEST_S)
-        return var * (1.0 + self._config.repeat_s / gap)
-
     def _with_meanings(
         self, name: str, sightings: Sequence[Sighting], taken: list[str]
     ) -> list[str]:
         """Return what each bearing is taken for, those of several meanings told by geometry."""
-        robot, answer = self._robots[name], list(taken)
+        answer = list(taken)
         open_rows = [k for k, s in enumerate(sightings) if not answer[k] and np.isfinite(s.bearing)]
         things = sorted({m for k in open_rows for m in sightings[k].meanings} - {name})
         placed = [thing for thing in things if self._is_placed(thing)]
@@ -178,7 +158,7 @@ class TeamFilter:
         for i, k in enumerate(open_rows):
             for j, thing in enumerate(placed):
                 if thing in sightings[k].meanings and thing not in taken:
-                    fits[i, j] = self._log_fit(robot, sightings[k].bearing, thing)
+                    fits[i, j] = self._log_fit(name, sightings[k].bearing, thing)
         unplaced = len(things) - len(placed)
         log_nothing = np.log((self._config.false_share + unplaced) / (2.0 * np.pi))
         chosen = tell_apart(fits, float(log_nothing), self._config.identity_odds)
@@ -186,12 +166,11 @@ class TeamFilter:
             answer[k] = placed[column] if column >= 0 else ""
         return answer
 
-    def _log_fit(self, robot: _Robot, bearing: float, meaning: str) -> float:
-        off, var = self._state.expect(robot.index, bearing, self._target(meaning))
-        is_far = var >= 0.0
-        var += self._config.bearing_sd_rad**2
-        if not is_far or off * off > var * self._config.gate_sd**2:
+    def _log_fit(self, name: str, bearing: float, meaning: str) -> float:
+        expected = self.expect(name, Sighting(bearing, (meaning,)))
+        if expected is None or expected[0] ** 2 > expected[1] * self._config.gate_sd**2:
             return -np.inf
+        off, var = expected
         return float(-0.5 * (off * off / var + np.log(2.0 * np.pi * var)))
 
     def _remember(
@@ -204,31 +183,24 @@ class TeamFilter:
         placed = [m for m in sighting.meanings if m in self._landmarks]
         if len(placed) == len(sighting.meanings) and placed:
             points = np.array([self._landmarks[m] for m in placed])
-            robot.clues.append(_clue(robot, stamp_ns, sighting.bearing, var, points))
+            robot.add_clue(stamp_ns, sighting.bearing, var, points)
         elif meaning in self._robots and self._robots[meaning].is_located:
             place, spread = self._state.position(self._robots[meaning].index)
-            clue = _clue(robot, stamp_ns, sighting.bearing, var, place, spread)
-            robot.clues.append(clue)
+            robot.add_clue(stamp_ns, sighting.bearing, var, place, spread)
         elif meaning in self._robots and robot.is_located:
             place, spread = self._state.position(robot.index)
             angle, own_var = self._state.direction(robot.index, sighting.bearing)
             seen = self._robots[meaning]
-            seen.clues.append(_clue(seen, stamp_ns, angle, var + own_var, place, spread, True))
+            seen.add_clue(stamp_ns, angle, var + own_var, place, spread, True)
             self._settle(meaning, stamp_ns)
 
     def _settle(self, name: str, stamp_ns: int) -> None:
         """Drop old clues, notice that a robot is lost, and start one that is not located."""
         robot, config = self._robots[name], self._config
-        while robot.clues and stamp_ns - robot.clues[0].stamp_ns > config.start_window_s * _NS:
-            robot.clues.popleft()
-        while len(robot.outcomes) > config.lost_looks:
-            robot.outcomes.popleft()
-        num_refused = len(robot.outcomes) - sum(robot.outcomes)
-        if robot.is_located and num_refused > config.lost_share * config.lost_looks:
+        robot.trim(stamp_ns, config)
+        if robot.is_lost(config):
             self.forget(name)
-        is_due = robot.tried_ns is None or stamp_ns - robot.tried_ns >= _START_EVERY_NS
-        if not robot.is_located and is_due and self._landmarks:
-            robot.tried_ns = stamp_ns
+        if self._landmarks and robot.is_start_due(stamp_ns):
             middle = np.array(list(self._landmarks.values()))
             start = find_start(list(robot.clues), robot.driven, middle, config)
             if start is not None:
@@ -239,16 +211,3 @@ def _only(sighting: Sighting, name: str) -> str:
     """Return a sighting's meaning if it has one only, "" otherwise."""
     meanings = [m for m in sighting.meanings if m != name]
     return meanings[0] if len(meanings) == 1 else ""
-
-
-def _clue(
-    robot: _Robot,
-    stamp_ns: int,
-    angle: float,
-    var: float,
-    points: np.ndarray,
-    point_var: float = 0.0,
-    is_seen: bool = False,
-) -> Clue:
-    d = robot.driven
-    return Clue(stamp_ns, d.T_odom_base, d.way, d.turned, angle, var, points, point_var, is_seen)

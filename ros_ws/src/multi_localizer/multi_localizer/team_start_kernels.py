@@ -95,7 +95,7 @@ def cell_costs(
     place = np.zeros(NUM_UNKNOWNS)
     extra_m2 = (xs[1] - xs[0]) ** 2 / 6.0
     extra_rad2 = (yaws[1] - yaws[0]) ** 2 / 12.0
-    hopeless = 0.6 * WORST * clues.shape[0]
+    hopeless = 0.35 * WORST * clues.shape[0]
     for i in range(xs.size):
         for j in range(ys.size):
             for k in range(yaws.size):
