@@ -10,9 +10,7 @@ import pytest
 from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.landmarks import Landmark
 from multi_localizer.pose_estimate import PoseEstimate
-from multi_localizer.robot_inbox import Sight
-from multi_localizer.team_corrections import corrected_views
-from multi_localizer.team_inbox import Moment
+from multi_localizer.team_corrections import Now, believed, corrected_views, largest_change
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution
 
 S = 1_000_000_000
@@ -44,33 +42,45 @@ def solution(**poses: SE2) -> TeamSolution:
     )
 
 
-def moment(then_ns: int) -> Moment:
+def view(then_ns: int) -> RobotView:
     """`a` saw the others and a goal then; its bearings are turned on to now, no more."""
     moved = {n: p if then_ns == NOW else p @ WAYS[n] for n, p in NOW_POSES.items()}
     turn = wrap_angle(NOW_POSES["a"].yaw - moved["a"].yaw)
     at = np.array([moved["a"].x, moved["a"].y])
     seen = [bearing(moved["a"], moved[n]) - turn for n in ("b", "c")]
     goal = bearing(moved["a"], GOAL.point_seen(at)) - turn
-    view = RobotView("a", np.array([*seen, 2.5]), {"goal": np.array([goal])})
-    return Moment(NOW, {"a": Sight(view, then_ns)})
+    return RobotView("a", np.array([*seen, 2.5]), {"goal": np.array([goal])})
 
 
 @pytest.mark.parametrize("then_ns", [NOW, THEN])
 def test_all_is_as_if_seen_now_and_in_the_middle(then_ns: int) -> None:
-    (view,), most = corrected_views(
-        moment(then_ns), solution(**NOW_POSES), {"goal": (GOAL,)}, motion
-    )
+    seen, now = view(then_ns), Now(NOW, {"a": then_ns}, motion)
+    (found,) = corrected_views([seen], now, solution(**NOW_POSES), {"goal": (GOAL,)})
     wanted = [bearing(NOW_POSES["a"], NOW_POSES[n]) for n in ("b", "c")]
-    assert view.bearings[:2] == pytest.approx(wanted, abs=1e-12)
-    assert view.bearings[2] == 2.5
+    assert found.bearings[:2] == pytest.approx(wanted, abs=1e-12)
+    assert found.bearings[2] == 2.5
     goal = bearing(NOW_POSES["a"], GOAL.position)
-    assert view.landmark_bearings["goal"] == pytest.approx([goal], abs=1e-12)
-    assert most > (0.02 if then_ns == THEN else 0.0)
+    assert found.landmark_bearings["goal"] == pytest.approx([goal], abs=1e-12)
+    changes = [*(found.bearings - seen.bearings)]
+    changes += [*(found.landmark_bearings["goal"] - seen.landmark_bearings["goal"])]
+    assert largest_change([seen], [found]) == max(np.abs(changes)) > 0.001
 
 
 def test_what_is_not_known_is_left_as_it_is() -> None:
     nobody_moves = lambda name, from_ns, to_ns: None  # noqa: E731
     for poses in ({}, {"a": NOW_POSES["a"]}):
-        (view,), most = corrected_views(moment(THEN), solution(**poses), {}, nobody_moves)
-        assert view.bearings.tolist() == moment(THEN).sights["a"].view.bearings.tolist()
-        assert most == 0.0
+        seen, now = view(THEN), Now(NOW, {"a": THEN}, nobody_moves)
+        (found,) = corrected_views([seen], now, solution(**poses), {})
+        assert found.bearings.tolist() == seen.bearings.tolist()
+        assert largest_change([seen], [found]) == 0.0
+
+
+def test_own_poses_tell_which_landmark_is_seen_where() -> None:
+    marks = {"pole": (Landmark(((5.0, 0.0),)), Landmark(((0.0, 5.0),)))}
+    rough = PoseEstimate(SE2(0.3, -0.2, 0.2), np.eye(3))
+    seen = RobotView("a", np.zeros(0), {"pole": np.array([math.pi / 2, 0.0, -0.1])}, rough=rough)
+    nobody = RobotView("b", np.zeros(0), {"pole": np.array([0.0])})
+    first = believed([seen, nobody], marks)
+    assert first.landmark_identities["a"]["pole"].tolist() == [1, 0, 0]
+    assert set(first.estimates) == {"a"} and not first.identities
+    assert believed([seen], {}).landmark_identities["a"]["pole"].tolist() == [NOBODY] * 3

@@ -9,7 +9,7 @@ from floornav_common.se2 import SE2
 from multi_localizer.landmarks import Landmarks, positions
 from multi_localizer.pose_estimate import PoseEstimate, moved
 from multi_localizer.team_config import TeamConfig
-from multi_localizer.team_corrections import corrected_views
+from multi_localizer.team_corrections import Now, believed, corrected_views, largest_change
 from multi_localizer.team_inbox import Moment, TeamInbox
 from multi_localizer.team_solver import solve_team
 from multi_localizer.team_views import RobotView, TeamSolution
@@ -53,18 +53,26 @@ class TeamAnswers:
 
     def solve(self, moment: Moment) -> TeamAnswer:
         """Return the poses at a moment."""
-        views = tuple(self._prepared(view, moment.stamp_ns) for view in moment.views)
+        start = tuple(self._prepared(view, moment.stamp_ns) for view in moment.views)
+        views = self._corrected(start, moment, believed(start, self._landmarks))
         solution = solve_team(views, self._positions, self.config)
-        changed, most = corrected_views(moment, solution, self._landmarks, self._motion)
-        if most > _WORTH_SD * self.config.bearing_sd_rad:
-            views = tuple(self._prepared(view, moment.stamp_ns) for view in changed)
-            solution = solve_team(views, self._positions, self.config)
+        again = self._corrected(start, moment, solution)
+        if largest_change(views, again) > _WORTH_SD * self.config.bearing_sd_rad:
+            views, solution = again, solve_team(again, self._positions, self.config)
+        most = largest_change(start, views)
         self._last = TeamAnswer(moment, solution, self._bases(solution), most)
         return self._last
 
     def forget(self) -> None:
         """Start anew: the clock jumped."""
         self._last = None
+
+    def _corrected(
+        self, views: tuple[RobotView, ...], moment: Moment, solution: TeamSolution
+    ) -> tuple[RobotView, ...]:
+        taken_ns = {name: sight.stamp_ns for name, sight in moment.sights.items()}
+        now = Now(moment.stamp_ns, taken_ns, self._motion)
+        return corrected_views(views, now, solution, self._landmarks)
 
     def _motion(self, name: str, from_ns: int, to_ns: int) -> SE2 | None:
         return self._inbox.robots[name].camera_motion(from_ns, to_ns)

@@ -10,61 +10,111 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.landmarks import Landmark, Landmarks
-from multi_localizer.team_inbox import Moment
-from multi_localizer.team_views import RobotView, TeamSolution
+from multi_localizer.team_views import NOBODY, RobotView, TeamSolution
 
 Motion = Callable[[str, int, int], SE2 | None]
 """(name, from, to): camera of a robot at one stamp seen from that at another; None: not known."""
 
 
+@dataclass(frozen=True, eq=False)
+class Now:
+    """The moment that bearings are brought to.
+
+    Attributes:
+        stamp_ns: When it is.
+        taken_ns: When each robot's bearings were taken.
+        motion: By odometry.
+    """
+
+    stamp_ns: int
+    taken_ns: Mapping[str, int]
+    motion: Motion
+
+
 def corrected_views(
-    moment: Moment, solution: TeamSolution, landmarks: Landmarks, motion: Motion
-) -> tuple[tuple[RobotView, ...], float]:
-    """Return the views of a moment with what is known of them taken out.
+    views: Sequence[RobotView], now: Now, solution: TeamSolution, landmarks: Landmarks
+) -> tuple[RobotView, ...]:
+    """Return views of a moment with what is known of them taken out.
 
     Args:
-        moment: What was seen, and when.
+        views: What was seen, turned to the moment.
+        now: When it was seen, and how robots moved since.
         solution: A first answer: poses of cameras.
         landmarks: By class.
-        motion: By odometry.
 
     Returns:
-        The views, and by how much a bearing was changed at most, rad.
+        The views; those of robots without a pose as they were.
     """
-    views = []
-    most = 0.0
-    for name, sight in moment.sights.items():
-        if name not in solution.estimates:
-            views.append(sight.view)
+    changed = []
+    for view in views:
+        if view.name not in solution.estimates:
+            changed.append(view)
             continue
-        back = _Back(moment.stamp_ns, sight.stamp_ns, solution, motion, name)
-        view = sight.view
-        robots = back.robots(solution.identities.get(name), len(view.bearings))
+        back = _Back(now, solution, view.name)
+        robots = back.robots(solution.identities.get(view.name), len(view.bearings))
+        found = solution.landmark_identities.get(view.name, {})
         marks = {
-            kind: back.marks(_found(solution, name, kind), landmarks.get(kind, ()), len(bearings))
+            kind: bearings + back.marks(found.get(kind), landmarks.get(kind, ()), len(bearings))
             for kind, bearings in view.landmark_bearings.items()
         }
-        most = max([most, *(float(np.abs(d).max(initial=0.0)) for d in (robots, *marks.values()))])
-        views.append(_with_changes(view, robots, marks))
-    return tuple(views), most
+        bearings = view.bearings + robots
+        changed.append(replace(view, bearings=bearings, landmark_bearings=marks))
+    return tuple(changed)
+
+
+def largest_change(before: Sequence[RobotView], after: Sequence[RobotView]) -> float:
+    """Return by how much a bearing of the same views differs at most, rad."""
+    most = 0.0
+    for a, b in zip(before, after, strict=True):
+        pairs = [(a.bearings, b.bearings)]
+        pairs += [(a.landmark_bearings[k], b.landmark_bearings[k]) for k in a.landmark_bearings]
+        changes = [float(np.abs(x - y).max(initial=0.0)) for x, y in pairs]
+        most = max([most, *changes])
+    return most
+
+
+def believed(views: Sequence[RobotView], landmarks: Landmarks) -> TeamSolution:
+    """Return what the robots' own poses say of themselves, and which landmarks they must see.
+
+    Good enough to know which end of a wide landmark a robot has before it.
+    """
+    rough = {view.name: view.rough for view in views if view.rough is not None}
+    marks = {
+        view.name: {
+            kind: _nearest(rough[view.name].pose, landmarks.get(kind, ()), bearings)
+            for kind, bearings in view.landmark_bearings.items()
+        }
+        for view in views
+        if view.name in rough
+    }
+    names = tuple(view.name for view in views)
+    return TeamSolution(names, estimates=rough, landmark_identities=marks)
+
+
+def _nearest(pose: SE2, marks: Sequence[Landmark], bearings: np.ndarray) -> np.ndarray:
+    """Return for each bearing the landmark nearest to it in direction; `NOBODY` without any."""
+    if not marks:
+        return np.full(len(bearings), NOBODY)
+    seen = [_direction(pose, mark.point_seen(_place(pose))) - pose.yaw for mark in marks]
+    return np.array(
+        [int(np.argmin([abs(wrap_angle(b - s)) for s in seen])) for b in bearings], dtype=int
+    )
 
 
 class _Back:
     """One robot's image, seen from the moment."""
 
-    def __init__(
-        self, now_ns: int, then_ns: int, solution: TeamSolution, motion: Motion, name: str
-    ) -> None:
-        self._now_ns, self._then_ns = now_ns, then_ns
-        self._solution, self._motion = solution, motion
+    def __init__(self, now: Now, solution: TeamSolution, name: str) -> None:
+        self._now_ns, self._then_ns = now.stamp_ns, now.taken_ns[name]
+        self._solution, self._motion = solution, now.motion
         self._now = solution.estimates[name].pose
-        way = motion(name, now_ns, then_ns)
+        way = now.motion(name, self._now_ns, self._then_ns)
         self._then = self._now if way is None else self._now @ way
 
     def robots(self, identities: np.ndarray | None, num: int) -> np.ndarray:
@@ -95,10 +145,6 @@ class _Back:
         return wrap_angle(_direction(self._now, is_now) - _direction(self._then, was))
 
 
-def _found(solution: TeamSolution, name: str, kind: str) -> np.ndarray | None:
-    return solution.landmark_identities.get(name, {}).get(kind)
-
-
 def _place(pose: SE2) -> np.ndarray:
     return np.array([pose.x, pose.y])
 
@@ -106,10 +152,3 @@ def _place(pose: SE2) -> np.ndarray:
 def _direction(pose: SE2, place: np.ndarray) -> float:
     """Return the direction in the map; the turn since the image is out of the bearing already."""
     return math.atan2(place[1] - pose.y, place[0] - pose.x)
-
-
-def _with_changes(
-    view: RobotView, robots: np.ndarray, marks: Mapping[str, np.ndarray]
-) -> RobotView:
-    changed = {kind: b + marks[kind] for kind, b in view.landmark_bearings.items()}
-    return replace(view, bearings=view.bearings + robots, landmark_bearings=changed)
