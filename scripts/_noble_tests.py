@@ -45,7 +45,9 @@ def main() -> int:
     environ["NUMBA_CACHE_DIR"] = str(PREFIX / "cache" / "numba")
     environ["MPLCONFIGDIR"] = str(PREFIX / "cache" / "matplotlib")
     ignored = [f"--ignore=tests/{p.name}" for p in sorted(TESTS.iterdir()) if not _is_core(p)]
-    command = [str(PREFIX / "bin" / "python"), "-m", "pytest", "tests", *ignored, *sys.argv[1:]]
+    spread = ["--numprocesses", "auto", "--maxprocesses", "4", "--dist", "loadfile"]
+    command = [str(PREFIX / "bin" / "python"), "-m", "pytest", "tests", *spread, *ignored]
+    command += sys.argv[1:]
     return subprocess.run(command, cwd=ROOT, env=environ).returncode
 
 

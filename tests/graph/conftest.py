@@ -25,9 +25,15 @@ SETTLE_S = 0.3  # the other side of a match hears of it a moment later
 DOMAINS = range(60, 100)
 
 
+def domains_of_worker() -> range:
+    """Return the domains of this pytest process, apart from those of others of the same run."""
+    number = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    return DOMAINS[number :: int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))]
+
+
 def free_domain(taken: set[int] = set()) -> int:  # noqa: B006, remembers across tests on purpose
     """Return a ROS domain whose first discovery port nobody holds."""
-    for domain in DOMAINS:
+    for domain in domains_of_worker():
         if domain in taken:
             continue
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -37,6 +43,7 @@ def free_domain(taken: set[int] = set()) -> int:  # noqa: B006, remembers across
                 continue
         taken.add(domain)
         return domain
+    assert taken, f"no free ROS domain in {list(domains_of_worker())}"
     taken.clear()
     return free_domain(taken)
 
