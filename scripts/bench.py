@@ -35,6 +35,7 @@ JOBS = {
     "simulation": "real-time factor by sensor set, and a frame beside the bare pybullet call",
     "floor": "from image to free space, beside bare OpenCV passes",
     "avoidance": "from a scan to a command, beside the same in plain numpy",
+    "team": "poses and identities of 4 to 50 robots, beside solvers told who is who",
     "messages": "images and grids to and from messages, and between processes",
 }
 HEADER = ["case", "median ms", "p99 ms", "peer", "peer ms", "ratio", "floor ms", "more"]

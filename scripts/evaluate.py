@@ -34,6 +34,7 @@ EXPERIMENTS = {
     "glass-map": "the glass paper's two places and drawn floors with glass, mapped by each method",
     "landmark-localization": "a robot alone by goal posts: methods 1 and 2 of the team paper",
     "live-team": "four simulated robots see each other, each with its own nodes: errors live",
+    "team-localization": "the team paper: 4 robots, then 3 to 50, beside robots alone and bounds",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
     "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
 }
