@@ -67,6 +67,15 @@ class TeamConfig:
         2, "Robots with fewer bearings than this are not looked for anew.", ge=1
     )
     max_searches: int = param(4, "Robots are looked for anew so many times.", ge=0, le=100)
+    liar_share: float = param(
+        0.5, "Bearings of a robot of which less than this share fits anybody are left out.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
+    least_trust: float = param(
+        0.6, "Identities count only if the share of bearings with an owner, times the share of "
+        "those that are returned, is at least this; else each robot is placed alone.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
     lost_yaw_rad: float = param(
         1.0, "A yaw known worse than this is not known.", unit="rad", gt=0.0
     )

@@ -8,7 +8,7 @@ and what was ambiguous is not any more. Nothing is final before the last round.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,35 +20,13 @@ from multi_localizer.team_hiding import visibility
 from multi_localizer.team_marks import nearest_marks
 from multi_localizer.team_pairs import pair_likelihoods
 from multi_localizer.team_problem import TeamProblem
+from multi_localizer.team_state import PLAIN, Identification
+from multi_localizer.team_trust import contradicted_priors
 from multi_localizer.team_yaws import settle_yaws
 
-_PLAIN = 1e3  # deviations: no residual counts less
 _LEVELS = (0.95, 0.8, 0.6)
 _FEW = 0.007  # share of the bearings that may change in a settled round
 _FEW_STEPS = 10  # of the fit within a round; the next one goes on
-
-
-@dataclass(frozen=True, eq=False)
-class Identification:
-    """Identities and the poses they make.
-
-    Attributes:
-        owner: Robot that each bearing is likeliest of, (M,); -1 for none.
-        belief: How sure that is, (M,).
-        seen: The owners that count in the fit, (M,); -1 else.
-        mark_seen: Landmark of each bearing to one, (K,); -1 for none.
-        prior_weight: What each rough pose counts, (N,).
-        fit: Poses and covariance.
-        limit: Deviations beyond which a residual counted less in the fit.
-    """
-
-    owner: np.ndarray
-    belief: np.ndarray
-    seen: np.ndarray
-    mark_seen: np.ndarray
-    prior_weight: np.ndarray
-    fit: TeamFit
-    limit: float = _PLAIN
 
 
 def identify(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig) -> Identification:
@@ -61,7 +39,11 @@ def identify(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig)
     """
     none = np.full(len(problem.bearings), -1, dtype=np.int64)
     marks = find_marks(problem, _prior_fit(problem, prior_weight), config)
-    alone = fit_poses(problem, problem.prior, none, marks, prior_weight, _PLAIN)
+    alone = fit_poses(problem, problem.prior, none, marks, prior_weight, PLAIN)
+    wrong = contradicted_priors(problem, alone, marks)
+    if wrong.any():
+        prior_weight = np.where(wrong, 0.0, prior_weight)
+        alone = fit_poses(problem, problem.prior, none, marks, prior_weight, PLAIN)
     x, cov = settle_yaws(
         alone.poses, alone.cov, problem.start, problem.bearings, problem.var,
         config.loose_yaw_rad, config.far_sd_m,
@@ -81,7 +63,7 @@ def refine(problem: TeamProblem, state: Identification, config: TeamConfig) -> I
         marks = find_marks(problem, state.fit, config)
         num_changed = np.sum(seen != state.seen) + np.sum(marks != state.mark_seen)
         is_settled = num_changed <= _FEW * len(seen)
-        limit = _PLAIN if turn < 2 else config.gate_sd
+        limit = PLAIN if turn < 2 else config.gate_sd
         fit = fit_poses(
             problem, state.fit.poses, seen, marks, state.prior_weight, limit, _FEW_STEPS
         )
@@ -116,4 +98,4 @@ def _believe(problem: TeamProblem, state: Identification, config: TeamConfig) ->
 def _prior_fit(problem: TeamProblem, prior_weight: np.ndarray) -> TeamFit:
     none = np.full(len(problem.bearings), -1, dtype=np.int64)
     no_mark = np.full(len(problem.mark_robot), -1, dtype=np.int64)
-    return fit_poses(problem, problem.prior, none, no_mark, prior_weight, _PLAIN)
+    return fit_poses(problem, problem.prior, none, no_mark, prior_weight, PLAIN)

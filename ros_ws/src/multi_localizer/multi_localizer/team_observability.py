@@ -12,8 +12,8 @@ import numpy as np
 
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit
-from multi_localizer.team_identify import Identification
 from multi_localizer.team_problem import TeamProblem
+from multi_localizer.team_state import Identification
 
 
 def unknown_poses(fit: TeamFit, config: TeamConfig) -> np.ndarray:

@@ -8,9 +8,9 @@ import numpy as np
 
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit
-from multi_localizer.team_identify import Identification
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_relocate import best_places, best_pose, crossing_score, pattern_score
+from multi_localizer.team_state import Identification
 
 _ANYWHERE = 1.0  # m around the team
 _REACH = 3.2  # deviations of a rough pose

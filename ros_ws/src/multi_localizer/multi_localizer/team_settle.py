@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from multi_localizer.team_config import TeamConfig
-from multi_localizer.team_identify import Identification, identify, refine
+from multi_localizer.team_identify import identify, refine
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import explained_share, relocate_lost
+from multi_localizer.team_state import Identification
 
 
 def settle(problem: TeamProblem, config: TeamConfig) -> Identification:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,10 +11,12 @@ from floornav_common.se2 import SE2
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit, fit_poses
-from multi_localizer.team_identify import Identification
+from multi_localizer.team_objects import locate_objects
 from multi_localizer.team_observability import unknown_poses, words
 from multi_localizer.team_problem import TeamProblem, make_problem
 from multi_localizer.team_settle import settle
+from multi_localizer.team_state import Identification
+from multi_localizer.team_trust import liars, trust, without
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
 
 
@@ -35,15 +38,38 @@ def solve_team(
     if problem_text:
         return TeamSolution(names, problem=problem_text)
     problem = make_problem(views, landmarks, config)
-    found = settle(problem, config)
+    found, suspects, notes = _believed(problem, settle(problem, config), config)
     fit = _final_fit(problem, found, config)
-    return _solution(problem, views, found, fit, config)
+    solution = _solution(problem, views, found, fit, config)
+    solution = replace(solution, suspects=suspects, notes=(*problem.notes, *notes))
+    objects = locate_objects(views, solution, config)
+    return replace(solution, objects=objects)
+
+
+def _believed(
+    problem: TeamProblem, found: Identification, config: TeamConfig
+) -> tuple[Identification, tuple[str, ...], tuple[str, ...]]:
+    """Return what of the identities is believed, the suspects, and what is to be said of both."""
+    value = trust(problem, found)
+    if value < config.least_trust and len(problem.bearings):
+        everyone = np.ones(problem.num_robots, dtype=np.bool_)
+        note = f"identities could not be settled (trust {value:.2f}): each robot is placed alone"
+        alone = without(problem, found, everyone)
+        return replace(alone, prior_weight=problem.has_prior.astype(float)), (), (note,)
+    lying = liars(problem, found, config)
+    moved = problem.has_prior & (found.prior_weight == 0.0)
+    names = np.array(problem.names)
+    notes = [f"{name}: its bearings fit nobody and are left out" for name in names[lying]]
+    notes += [f"{name}: its rough pose is contradicted and left out" for name in names[moved]]
+    found = without(problem, found, lying)
+    return found, tuple(str(name) for name in names[lying | moved]), tuple(notes)
 
 
 def _final_fit(problem: TeamProblem, found: Identification, config: TeamConfig) -> TeamFit:
     """Fit once more, with those rough poses only that are evidence of their own."""
     weight = np.where(problem.prior_counts, found.prior_weight, 0.0)
-    return fit_poses(problem, found.fit.poses, found.seen, found.mark_seen, weight, config.gate_sd)
+    start = found.fit.poses if (found.seen >= 0).any() else problem.prior
+    return fit_poses(problem, start, found.seen, found.mark_seen, weight, config.gate_sd)
 
 
 def _solution(
@@ -65,7 +91,6 @@ def _solution(
         identities=_identities(problem, views, found),
         landmark_identities=_landmark_identities(problem, views, found),
         unobservable=words(problem, fit, found, unknown),
-        notes=problem.notes,
         joint_cov=fit.cov[np.ix_(rows, rows)],
     )
 
