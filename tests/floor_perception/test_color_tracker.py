@@ -107,6 +107,21 @@ def test_a_lamp_that_fades_fast_is_followed_where_all_around_is_equally_bright()
     assert (np.abs(ranges - 1.4) < 0.08).all()
 
 
+@pytest.mark.parametrize(("part", "is_followed"), [(0.72, False), (0.9, True)])
+def test_what_is_a_quarter_darker_than_the_rest_is_not_equally_bright(
+    part: float, is_followed: bool
+) -> None:
+    """A thing of the floor's hue along a quarter of the ring, in a light that faded fast."""
+    detector = FloorDetector(CAMERA, FloorDetectorConfig())
+    look(detector, picture(GREEN), 1)
+    learned = detector.color
+    thing = (behind(0.0, 0.8, 0.1), tuple(round(part * v) for v in GREEN))
+    look(detector, picture(GREEN, thing, light=0.6), 100, LOOK_NS)
+    middle = (0.6 if is_followed else 1.0) * learned.middle
+    assert detector.color.middle == pytest.approx(middle, rel=0.07)
+    assert ("as bright as the floor was" in detector.tracker.reason) != is_followed
+
+
 @pytest.mark.parametrize(("value", "words"), [(0, "too dark"), (255, "saturated")])
 def test_in_the_dark_and_in_glare_nothing_is_learned_until_there_is_light(
     value: int, words: str
