@@ -1,7 +1,8 @@
-"""Run a node that also says whom it hears: `listening.py MODULE [--ros-args ...]`.
+"""Run a node that also says whom it hears and reaches: `listening.py MODULE [--ros-args ...]`.
 
 A publisher knows of a match before the other side does, and what it sends meanwhile is lost. So a
-test waits for what the node under test says here, not for the publisher's count.
+test waits for what the node under test says here, not for the publisher's count. And what the node
+sends once reaches a test only if the node has found it: a subscription knows of a match earlier.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ LOOK_PERIOD_S = 0.05
 
 
 def say_others(node: Node) -> None:
-    """Print how many publishers a node's subscriptions and clients its services have found."""
+    """Print how many other sides a node's subscriptions, publishers and services have found."""
     said: dict[str, int] = {}
 
     def say(what: str, num: int) -> None:
@@ -31,6 +32,8 @@ def say_others(node: Node) -> None:
         for subscription in node.subscriptions:
             num = subscription.get_publisher_count()
             say(f"{subscription.topic_name} is heard from", num)
+        for publisher in node.publishers:
+            say(f"{publisher.topic_name} is sent to", publisher.get_subscription_count())
         for service in node.services:
             name = service.service_name
             say(f"{name} is called by", node.count_clients(name))

@@ -58,6 +58,7 @@ class Robot:
         self._statics.send("base_link", "laser", 0, Transform3.from_se2(LASER))
         node.wait_to_hear("/tf_static")
         peer.wait_to_hear("map", "pose", "/tf")
+        node.wait_for("/pose is sent to 1")
         self.poses_driven = drive_around()
         self.step = 0
 

@@ -55,6 +55,7 @@ class Robot:
         self.range_min = 0.1
         self.age_ns = {"scan": 0, "odom": 0}
         peer.wait_to_hear("cmd_vel", "planner/state")
+        node.wait_for("/cmd_vel is sent to 1")
 
     def beat(self) -> None:
         """Send all inputs once and spin a control period."""
