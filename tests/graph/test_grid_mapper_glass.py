@@ -268,6 +268,31 @@ def test_an_infrared_ranger_is_named_once_and_changes_nothing(start, peer):
     assert_only_the_pane(robot.newest("map/sonar"))
 
 
+@pytest.mark.parametrize(
+    ("parameters", "warned"),
+    [(["sonar_topics:=[sonar/fornt, sonar/left]"], "/sonar/fornt, /sonar/left"), ([], None)],
+)
+def test_a_sonar_topic_that_nothing_comes_on_is_named_but_no_robot_must_have_sonars(
+    start, peer, parameters, warned
+):
+    from diagnostic_msgs.msg import DiagnosticStatus
+
+    start_mapper(start, *parameters)
+    arrays = hear_diagnostics(peer)
+
+    def sonars() -> list[Any]:
+        return statuses(arrays, "sonars")
+
+    if warned is None:
+        peer.spin_until(lambda: len(sonars()) >= 7)  # more than five seconds of silence
+        assert all(s.level == DiagnosticStatus.OK for s in sonars())
+    else:
+        said = f"nothing heard on {warned}"
+        peer.spin_until(
+            lambda: any(s.level == DiagnosticStatus.WARN and s.message == said for s in sonars())
+        )
+
+
 def test_a_sonar_with_a_clock_ahead_holds_no_other_up_and_alone_it_is_told(start, peer):
     from diagnostic_msgs.msg import DiagnosticStatus
 

@@ -119,6 +119,21 @@ def test_a_bag_without_laser_is_mapped_by_its_odometry(tmp_path):
     assert run(path, "--sonar-topic", "/sonar", "--out", tmp_path / "out", "--quiet") == 0
 
 
+def test_sonars_that_are_not_asked_for_are_mentioned(tmp_path):
+    readings = [
+        (topic, START_NS + k, range_message(START_NS + k, 0.7))
+        for k, topic in enumerate(("/left", "/right"))
+    ]
+    left = ("/tf_static", 1, tf_message(transform(0, "base_link", "sonar_0")))
+    path = write_bag(tmp_path / "bag", sorted([left, *drive(5), *readings], key=lambda m: m[1]))
+    said = "not used: Range messages on {}; if they are sonars: --sonar-topic {}"
+    recording, _ = read(path, sonar_topics=("left",))
+    assert said.format("/right", "/right") in recording.info
+    assert said.format("/left, /right", "/left --sonar-topic /right") in read(path)[0].info
+    both, _ = read(path, sonar_topics=("/left", "/right"))
+    assert not any("not used" in line for line in both.info)
+
+
 def test_where_a_sonar_sits_can_be_said(tmp_path):
     path = sonar_bag(tmp_path / "bag", has_tf=False)
     with pytest.raises(RecordingError, match="--sonar-pose sonar_0 X Y YAW"):

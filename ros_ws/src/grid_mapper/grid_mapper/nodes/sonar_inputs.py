@@ -13,13 +13,18 @@ from floornav_common.ros.diagnostics import OK, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import SENSOR_QOS, copy_qos
 from floornav_common.ros.transformed_subscription import TransformedSubscription
+from floornav_common.time_watch import Deadline
 from floornav_common.transform3 import Transform3
+from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import SonarCounts
 from grid_mapper.sonar_mount import infrared_warning
 
 SONAR_QOS = copy_qos(SENSOR_QOS)
 SONAR_QOS.depth = 100
 """A ring of sonars on one topic sends in bursts, which may come while a scan is matched."""
+
+SILENT_NS = 5_000_000_000
+"""A topic without a message for so long is named on the diagnostics."""
 
 OnRange = Callable[[Any, str, RangeReading, Transform3], None]
 
@@ -56,6 +61,12 @@ class SonarInputs:
         self._seen = (0, 0)
         self._infrared: set[str] = set()
         self._topics = [self._subscribe(node, topic, target_frame) for topic in topics]
+        # Robots without sonars leave the default, and miss nothing.
+        self._may_be_none = topics == GridMapperNodeConfig().sonar_topics
+        self._deadlines = [Deadline(SILENT_NS) for _ in topics]
+        self._counted = [0] * len(topics)
+        for deadline in self._deadlines:
+            node.time.on_restart(deadline.restart)
         node.diagnostics.add("sonars", self.status)
 
     def status(self) -> Status:
@@ -75,7 +86,22 @@ class SonarInputs:
             return Status(WARN, "no reading finds its pose: compare the stamps with scans", values)
         if self._infrared:
             return Status(WARN, infrared_warning(self._infrared), values)
+        silent = self._silent()
+        if silent:
+            return Status(WARN, f"nothing heard on {', '.join(silent)}", values)
         return Status(OK, "readings arrive" if self._sensors else "no sonar is heard", values)
+
+    def _silent(self) -> list[str]:
+        """Return the topics that nothing came on of late, where something was to be expected."""
+        now_ns, silent = self._node.time.read_ns(), []
+        for k, (topic, deadline) in enumerate(zip(self._topics, self._deadlines, strict=True)):
+            if topic.num_received > self._counted[k]:
+                deadline.feed(now_ns)
+                self._counted[k] = topic.num_received
+            is_expected = deadline.has_heard or not self._may_be_none
+            if deadline.is_over(now_ns) and is_expected:
+                silent.append(topic.topic)
+        return silent
 
     def _subscribe(
         self, node: FloornavNode, topic: str, target_frame: str

@@ -20,6 +20,7 @@ from grid_mapper.recordings.bag_sonars import (
     robot_frame,
     sonar_hint,
     sonar_info,
+    unused_sonars,
 )
 from grid_mapper.recordings.bag_survey import FrameTree, survey, tf_topics
 from grid_mapper.recordings.bag_topics import (
@@ -103,6 +104,7 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
     notes = check_clocks(bag.path, found, scan_topic, odom_topic, frame, base.name, options)
     base_info = [f"robot frame: {base.name}, {base.why}"] if base.why else []
     sonars = [sonar_info(bag, found, base.name, name, options) for name in options.sonar_topics]
+    sonars += unused_sonars(bag, options)
     info = (scan_info, *scan_notes, *base_info, laser, odom_info + others, *notes, *sonars)
     return Choice(
         scan_topic, options.sonar_topics, odom_topic, child or base.name, tf_topics(bag),
@@ -123,7 +125,8 @@ def _choose_sonars(bag: Bag, options: RecordingOptions) -> Choice:
         lambda: "; ".join(sonar_info(bag, found, base, n, options) for n in options.sonar_topics),
         lambda: odom_info_of(bag, found.tree, odom, odom_topic, frame, base, options),
     )
-    info = ("scans: none, sonars alone are mapped", odom_info + others, sonars)
+    unused = unused_sonars(bag, options)
+    info = ("scans: none, sonars alone are mapped", odom_info + others, sonars, *unused)
     return Choice(
         "", options.sonar_topics, None if frame is not None else odom_topic, base, tf_topics(bag),
         base, frame, found.tree, fixed_links(found.tree, base), info,

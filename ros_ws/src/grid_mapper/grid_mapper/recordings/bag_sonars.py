@@ -17,9 +17,22 @@ def has_sonars_alone(bag: Bag, options: RecordingOptions) -> bool:
     return bool(options.sonar_topics) and options.scan_topic is None and not has_scans
 
 
+def unused_sonars(bag: Bag, options: RecordingOptions) -> list[str]:
+    """Return what to say of Range topics that have messages and are not asked for: 0 or 1 text."""
+    names = [name for name in _range_topics(bag) if name not in options.sonar_topics]
+    if not names:
+        return []
+    asked = " ".join(f"--sonar-topic {name}" for name in names)
+    return [f"not used: Range messages on {', '.join(names)}; if they are sonars: {asked}"]
+
+
+def _range_topics(bag: Bag) -> list[str]:
+    return [t.name for t in bag.topics.values() if t.msgtype == RANGE_TYPE and t.num_messages]
+
+
 def sonar_hint(bag: Bag) -> str:
     """Return how a bag without laser can be mapped; "" if it has no sonars either."""
-    names = [t.name for t in bag.topics.values() if t.msgtype == RANGE_TYPE and t.num_messages]
+    names = _range_topics(bag)
     return f"; map its sonars alone with --sonar-topic {' or '.join(names)}" if names else ""
 
 
