@@ -180,19 +180,24 @@ class TeamFilter:
         robot = self._robots[name]
         if meaning:
             robot.seen_ns[meaning] = stamp_ns
-        placed = [m for m in sighting.meanings if m in self._landmarks]
-        if len(placed) == len(sighting.meanings) and placed:
-            points = np.array([self._landmarks[m] for m in placed])
-            robot.add_clue(stamp_ns, sighting.bearing, var, points)
-        elif meaning in self._robots and self._robots[meaning].is_located:
-            place, spread = self._state.position(self._robots[meaning].index)
-            robot.add_clue(stamp_ns, sighting.bearing, var, place, spread)
+        things = [meaning] if meaning else [m for m in sighting.meanings if m != name]
+        if things and all(self._is_placed(thing) for thing in things):
+            places = [self._position(thing) for thing in things]
+            points = np.concatenate([place for place, _ in places])
+            spread = max(spread for _, spread in places)
+            robot.add_clue(stamp_ns, sighting.bearing, var, points, spread)
         elif meaning in self._robots and robot.is_located:
             place, spread = self._state.position(robot.index)
             angle, own_var = self._state.direction(robot.index, sighting.bearing)
             seen = self._robots[meaning]
             seen.add_clue(stamp_ns, angle, var + own_var, place, spread, True)
             self._settle(meaning, stamp_ns)
+
+    def _position(self, thing: str) -> tuple[np.ndarray, float]:
+        """Return where a landmark or a located robot is, (1, 2), and the variance of that, m^2."""
+        if thing in self._landmarks:
+            return self._landmarks[thing].reshape(1, 2), 0.0
+        return self._state.position(self._robots[thing].index)
 
     def _settle(self, name: str, stamp_ns: int) -> None:
         """Drop old clues, notice that a robot is lost, and start one that is not located."""
