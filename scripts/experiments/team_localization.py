@@ -16,7 +16,7 @@ from typing import Any
 
 from experiments.team_paper_cases import NOISES_DEG, fits_best, paper_case
 from experiments.team_report import sections
-from experiments.team_rows import ROWS, judged
+from experiments.team_rows import MANY_ROBOTS, ROWS, judged, num_layouts
 from experiments.team_triangles import every_triangle
 from floornav_common.reporting import Progress, Section, UserError
 from floornav_common.ros.threads import limit_threads
@@ -28,7 +28,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
         "--layouts", type=int, default=NUM_LAYOUTS, metavar="N",
-        help=f"layouts of each row (default: {NUM_LAYOUTS})",
+        help=f"layouts of each row, fewer of teams over {MANY_ROBOTS} (default: {NUM_LAYOUTS})",
     )  # fmt: skip
 
 
@@ -54,7 +54,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         values["best_noise_deg"] = fits_best(values["paper_cases"])
         for k, row in enumerate(ROWS, len(NOISES_DEG) + 1):
             progress.update(k, row.title)
-            values[row.table].append(judged(row, seeds))
+            values[row.table].append(judged(row, seeds[: num_layouts(row, args.layouts)]))
         progress.update(num_steps, "every triangle", is_last=True)
         values["every_triangle"] = every_triangle(values["sweep"], args.seed)
     return sections(args.out_dir, values, args.seed)

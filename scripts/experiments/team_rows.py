@@ -8,16 +8,18 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from multi_localizer.team_published import solve_published
-from multi_localizer.team_solver import solve_team
 
 from experiments.team_faults import FAULTS
 from experiments.team_judge import Verdict, bound_ratio, figures, judge
 from experiments.team_layouts import POSTS, random_layout
 from experiments.team_views_sim import Scene, Senses, see, with_names
 from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_published import solve_published
+from multi_localizer.team_solver import solve_team
 from multi_localizer.team_views import TeamSolution
 
+MANY_ROBOTS = 10
+"""Of larger teams fewer layouts are run, so that each row judges about as many robots."""
 ROUGH_SD = (0.36, 0.36, float(np.radians(15.0)))
 _TWICE = tuple(2.0 * sd for sd in ROUGH_SD)
 _BLIND = {"sees_posts": False}
@@ -91,6 +93,11 @@ _VARIANTS: dict[str, dict[str, Any]] = {
     },
 }  # fmt: skip
 ROWS = tuple(_rows())
+
+
+def num_layouts(row: Row, most: int) -> int:
+    """Return how many layouts of a row are run."""
+    return max(1, round(most * min(1.0, MANY_ROBOTS / row.num_robots)))
 
 
 def scene_of(row: Row, seed: int) -> Scene:
