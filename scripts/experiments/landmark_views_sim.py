@@ -28,7 +28,7 @@ from sim_bridge.world import RobotPlacement, load_world
 
 MIDDLE = SE2(0.0, 0.4, 0.0)
 _MASK = MaskConfig(mark_m=0.06)
-_TEMPLATE = TemplateConfig(range_min_m=0.45, horizon_m=4.0)
+_TEMPLATE = TemplateConfig(range_min_m=0.6, horizon_m=4.0)
 
 
 @dataclass(frozen=True)

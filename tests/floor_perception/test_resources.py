@@ -22,7 +22,7 @@ def test_the_parameters_of_a_middle_size_robot_fit_its_camera() -> None:
     node = load_config(path, CameraNodeConfig, others=[FloorDetectorConfig, FloorNodeConfig])
     config = load_config(path, FloorDetectorConfig, others=[CameraNodeConfig, FloorNodeConfig])
     detector = FloorDetector(load_camera_model(node.camera_model), config)
-    assert (detector.template.edges[0], detector.template.edges[-1]) == (0.45, 4.0)
+    assert (detector.template.edges[0], detector.template.edges[-1]) == (0.6, 4.0)
 
 
 @pytest.mark.parametrize("name", ["soccer_small_size", "soccer_middle_size"])

@@ -178,6 +178,22 @@ def test_one_distance_is_not_enough_for_two_posts_of_a_goal_but_with_a_third_bea
     assert difference(fix.estimate.pose, pose) == pytest.approx(np.zeros(3), abs=1e-5)
 
 
+def test_distances_to_what_stands_before_do_not_spoil_the_pose() -> None:
+    """All feet are hidden alike, as by a mask that ends at the robot's own body."""
+    pose = SE2(-0.9, -1.2, 0.7)
+    seen = sightings_of(seen_from(pose, ENDS), CONFIG)
+    near = [Sighting(s.kind, s.bearing, SD, 0.6, 0.035) for s in seen]
+    fix = LandmarkLocator(FIELD, CONFIG).locate(near)
+    assert difference(fix.estimate.pose, pose) == pytest.approx(np.zeros(3), abs=1e-5)
+
+
+def test_one_of_four_that_contradicts_leaves_nothing_to_confirm_the_rest() -> None:
+    bearings = seen_from(SE2(-0.9, -1.2, 0.7), ENDS)
+    bearings["goal_blue_left"] = bearings["goal_blue_left"] + 0.1
+    fix = located(bearings, ENDS)
+    assert fix.estimate is None and fix.problem
+
+
 def test_a_start_far_off_still_ends_at_the_pose() -> None:
     pose = SE2(1.0, -0.5, 2.0)
     seen = sightings_of(seen_from(pose, ENDS), CONFIG)

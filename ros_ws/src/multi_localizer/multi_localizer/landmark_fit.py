@@ -22,7 +22,7 @@ _STILL = 1e-9
 _SINGULAR = 1e-12
 _FLAT = 0.05  # sine between rays of what is taken to be one line
 _ON_CIRCLE = 0.15  # off the circle, as a part of its radius
-_CURVED = 2.5  # how far the squared deviations may be from what the covariance promises
+_CURVED = 1.8  # how far the squared deviations may be from what the covariance promises
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,11 @@ class Sighting:
     def num_values(self) -> int:
         """How many numbers it gives."""
         return 1 + math.isfinite(self.distance)
+
+
+def without_distance(seen: Sighting) -> Sighting:
+    """Return a sighting with its bearing alone."""
+    return Sighting(seen.kind, seen.bearing, seen.bearing_sd) if seen.num_values > 1 else seen
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from multi_localizer.landmark_fit import (
     is_curved,
     open_geometry,
     residuals,
+    without_distance,
 )
 from multi_localizer.landmark_starts import choices, refined_poses, rough_costs
 from multi_localizer.landmarks import Landmark, Landmarks
@@ -29,7 +30,9 @@ _KEPT = 6  # best tries that are fitted to the end
 _SAME_START_M = 0.1
 _SAME_CHI2 = 9.0
 _CLEARLY_OTHER_M = 0.3
-Assignment = tuple[Landmark | None, ...]
+_CONTRADICTING = "the bearings contradict each other: no place fits most of them"
+Assignment = tuple[tuple[Sighting, Landmark] | None, ...]
+"""Of each sighting what is used of it, with or without its distance, and the landmark it is of."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +83,9 @@ class LandmarkLocator:
         if not tries:
             return LandmarkFix(None, self._no_start(usable), note=note)
         best = tries[0]
-        used = [(s, m) for s, m in zip(usable, best.marks, strict=True) if m is not None]
+        used = [pair for pair in best.marks if pair is not None]
         num_out = len(usable) - len(used)
-        problem, estimate = self._judge(best, used, tries)
+        problem, estimate = self._judge(best, used, tries, sum(s.num_values for s in usable))
         if problem:
             return LandmarkFix(None, problem, 0, num_out, note)
         return LandmarkFix(estimate, "", len(used), num_out, note)
@@ -98,11 +101,14 @@ class LandmarkLocator:
         return known, "; ".join(notes)
 
     def _judge(
-        self, best: _Try, used: list[tuple[Sighting, Landmark]], tries: list[_Try]
+        self, best: _Try, used: list[tuple[Sighting, Landmark]], tries: list[_Try], num_seen: int
     ) -> tuple[str, PoseEstimate | None]:
         seen, marks = [s for s, _ in used], [m for _, m in used]
-        if sum(s.num_values for s in seen) < _NEED or len(used) < len(best.marks) / 2.0:
-            return "the bearings contradict each other: no place fits most of them", None
+        num_values = sum(s.num_values for s in seen)
+        if num_values < _NEED or len(used) < len(best.marks) / 2.0:
+            return _CONTRADICTING, None
+        if num_values == _NEED < num_seen:
+            return f"{_CONTRADICTING}, and nothing confirms those that do", None
         estimate = estimate_of(best.fit)
         if estimate is None:
             return open_geometry(best.fit.pose, marks), None
@@ -137,7 +143,7 @@ class LandmarkLocator:
         """Fit and assign in turn until nothing changes."""
         marks, _ = self._assign(pose, seen, wide=4.0)
         for _ in range(4):
-            used = [(s, m) for s, m in zip(seen, marks, strict=True) if m is not None]
+            used = [pair for pair in marks if pair is not None]
             if sum(s.num_values for s, _ in used) < _NEED:
                 return None
             fit = fit_pose(pose, [s for s, _ in used], [m for _, m in used])
@@ -153,23 +159,29 @@ class LandmarkLocator:
     def _assign(
         self, pose: SE2, seen: Sequence[Sighting], wide: float = 1.0
     ) -> tuple[Assignment, float]:
-        """Return the nearest landmark of each sighting, each taken once, and what it costs."""
+        """Return the nearest landmark of each sighting, each taken once, and what it costs.
+
+        A distance that does not fit costs less than a bearing: more often than not something else
+        stands before the landmark's foot.
+        """
         limit = (wide * self._config.gate_sd) ** 2
+        limit_far = 0.5 * limit
         pairs = []
         for k, s in enumerate(seen):
             for n, mark in enumerate(self._landmarks[s.kind]):
-                r, _ = residuals(pose, [s], [mark])
-                off = float(r @ r)
-                if off < limit * s.num_values:
-                    pairs.append((off, k, n))
-        marks: list[Landmark | None] = [None] * len(seen)
+                off = (residuals(pose, [s], [mark])[0] ** 2).tolist()
+                if off[0] < limit:
+                    pairs.append((off[0], sum(off[1:]), k, n))
+        marks: list[tuple[Sighting, Landmark] | None] = [None] * len(seen)
         taken: set[tuple[str, int]] = set()
-        cost = limit * sum(s.num_values for s in seen)
-        for off, k, n in sorted(pairs):
+        cost = sum(limit + (s.num_values - 1) * limit_far for s in seen)
+        for near, far, k, n in sorted(pairs, key=lambda pair: pair[0] + min(pair[1], limit_far)):
             if marks[k] is None and (seen[k].kind, n) not in taken:
-                marks[k] = self._landmarks[seen[k].kind][n]
+                has_far = far < limit_far
+                used = seen[k] if has_far else without_distance(seen[k])
+                marks[k] = (used, self._landmarks[seen[k].kind][n])
                 taken.add((seen[k].kind, n))
-                cost += off - limit * seen[k].num_values
+                cost += near - limit + (used.num_values - 1) * (far - limit_far)
         return tuple(marks), cost
 
     def _promising(self, starts: list[SE2], seen: list[Sighting]) -> list[SE2]:
@@ -210,7 +222,7 @@ class LandmarkLocator:
             return "robot and landmarks lie on one line"
         if len(places) < _NEED:
             return f"{len(places)} landmarks leave a circle open, not a pose"
-        return "the bearings contradict each other: no place fits most of them"
+        return _CONTRADICTING
 
 
 def sightings_of(bearings: Mapping[str, np.ndarray], config: LandmarkConfig) -> list[Sighting]:

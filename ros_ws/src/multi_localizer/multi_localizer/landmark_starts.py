@@ -96,10 +96,11 @@ def rough_costs(
     for s in seen:
         x, y = rays[s.kind][..., 0], rays[s.kind][..., 1]
         off = np.remainder(np.arctan2(y, x) - yaws - s.bearing + math.pi, 2.0 * math.pi) - math.pi
-        cost = (off / s.bearing_sd) ** 2
+        cost = np.minimum((off / s.bearing_sd) ** 2, limit)
         if s.num_values == 2:
-            cost = cost + ((np.hypot(x, y) - s.distance) / s.distance_sd) ** 2
-        costs += np.minimum(cost.min(axis=0), limit)
+            far = ((np.hypot(x, y) - s.distance) / s.distance_sd) ** 2
+            cost = cost + np.minimum(far, 0.5 * limit)
+        costs += cost.min(axis=0)
     return costs
 
 
