@@ -155,9 +155,7 @@ def _distances(
     camera: FloorCamera, pose: SE2, pixels: np.ndarray, plan: FloorPlan
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the distances of pixels from the border's image, (N,), and by the pose, (N, 3)."""
-    walls = np.column_stack(
-        (plan.corners, plan.tangents, plan.normals, plan.offsets, plan.lengths)
-    )
+    walls = np.column_stack((plan.corners, plan.tangents, plan.normals, plan.offsets, plan.lengths))
     values = rays_of_pixels(camera, pixels).values
     rows = np.empty((len(values) + 1, NUM_VALUES))
     num = residuals(values, 1, pose.as_array(), walls, rows)

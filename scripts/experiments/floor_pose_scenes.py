@@ -28,7 +28,7 @@ from sim_bridge.world import Furniture, load_world
 
 CUBE_M = 0.13
 MAX_CUBES = 40
-NEAREST_CUBE_M = 0.25
+NEAREST_CUBE_M, FARTHEST_CUBE_M = 0.25, 1.5
 NUM_BEARINGS = 720
 _COLORS = (
     (0.60, 0.45, 0.30), (0.20, 0.20, 0.24), (0.95, 0.95, 0.93), (0.75, 0.12, 0.10),
@@ -133,20 +133,24 @@ def random_cubes(pose: SE2, num: int, plan: FloorPlan, rng: np.random.Generator)
     return cubes
 
 
-def cubes_hiding(
-    share: float, pose: SE2, plan: FloorPlan, height: float, rng: np.random.Generator
-) -> tuple[Cube, ...]:
-    """Return cubes that hide a share of the border from a pose, to 2 % of all directions."""
+def scene_hiding(
+    share: float, plan: FloorPlan, height: float, rng: np.random.Generator
+) -> tuple[SE2, tuple[Cube, ...]]:
+    """Return a pose anywhere and cubes that hide a share of the border from it, to 2 % of all."""
     while True:
+        x, y, yaw = rng.uniform((-1.17, -0.56, -math.pi), (1.17, 0.56, math.pi)).tolist()
+        pose = SE2(x, y, yaw)
         cubes: list[Cube] = []
-        for _ in range(20 * MAX_CUBES):
-            if len(cubes) == MAX_CUBES or hidden_share(pose, cubes, plan, height) >= share - 0.02:
+        hidden = 0.0
+        for _ in range(4 * MAX_CUBES):
+            if len(cubes) == MAX_CUBES or hidden >= share - 0.02:
                 break
-            more = [*cubes, _one_more(pose, cubes, plan, rng)]
-            if hidden_share(pose, more, plan, height) <= share + 0.02:
-                cubes = more
-        if abs(hidden_share(pose, cubes, plan, height) - share) <= 0.02:
-            return tuple(cubes)
+            cube = _one_near(pose, cubes, plan, rng)
+            more = hidden if cube is None else hidden_share(pose, [*cubes, cube], plan, height)
+            if cube is not None and more <= share + 0.02:
+                cubes, hidden = [*cubes, cube], more
+        if abs(hidden - share) <= 0.02:
+            return pose, tuple(cubes)
 
 
 def hidden_share(pose: SE2, cubes: list[Cube], plan: FloorPlan, height: float) -> float:
@@ -187,15 +191,33 @@ def wall_distance(place: np.ndarray, ways: np.ndarray, plan: FloorPlan) -> np.nd
 
 
 def _one_more(pose: SE2, cubes: list[Cube], plan: FloorPlan, rng: np.random.Generator) -> Cube:
-    radius = CUBE_M / math.sqrt(2.0)
-    low, high = plan.corners.min(axis=0) + radius, plan.corners.max(axis=0) - radius
-    low[0], high[0] = max(low[0], -1.37 + radius), min(high[0], 1.37 - radius)
     while True:
-        x, y = rng.uniform(low, high)
-        far = math.hypot(x - pose.x, y - pose.y) > NEAREST_CUBE_M
-        if far and all(math.hypot(x - c.pose.x, y - c.pose.y) > 2.0 * radius for c in cubes):
-            color = _COLORS[int(rng.integers(len(_COLORS)))]
-            return Cube(SE2(x, y, float(rng.uniform(0.0, math.pi / 2.0))), color)
+        x, y = rng.uniform(plan.corners.min(axis=0), plan.corners.max(axis=0))
+        if _has_room(x, y, pose, cubes, plan):
+            return _cube_at(x, y, rng)
+
+
+def _one_near(
+    pose: SE2, cubes: list[Cube], plan: FloorPlan, rng: np.random.Generator
+) -> Cube | None:
+    """Return a cube in any direction, as likely near as far; None if it has no room there."""
+    r, way = rng.uniform(NEAREST_CUBE_M, FARTHEST_CUBE_M), rng.uniform(-math.pi, math.pi)
+    x, y = pose.x + r * math.cos(way), pose.y + r * math.sin(way)
+    return _cube_at(x, y, rng) if _has_room(x, y, pose, cubes, plan) else None
+
+
+def _has_room(x: float, y: float, pose: SE2, cubes: list[Cube], plan: FloorPlan) -> bool:
+    radius = CUBE_M / math.sqrt(2.0)
+    turns = [k * math.pi / 4.0 for k in range(8)]
+    inside = all(plan.contains(x + radius * math.cos(t), y + radius * math.sin(t)) for t in turns)
+    far = math.hypot(x - pose.x, y - pose.y) > NEAREST_CUBE_M
+    alone = all(math.hypot(x - c.pose.x, y - c.pose.y) > 2.0 * radius for c in cubes)
+    return inside and far and alone
+
+
+def _cube_at(x: float, y: float, rng: np.random.Generator) -> Cube:
+    color = _COLORS[int(rng.integers(len(_COLORS)))]
+    return Cube(SE2(x, y, float(rng.uniform(0.0, math.pi / 2.0))), color)
 
 
 def _is_cube(box: Furniture) -> bool:

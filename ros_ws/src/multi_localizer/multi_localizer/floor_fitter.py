@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -19,7 +20,7 @@ import numpy as np
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.floor_config import FloorFitConfig
-from multi_localizer.floor_kernels import anneal
+from multi_localizer.floor_kernels import NUM_VALUES, anneal, residuals
 from multi_localizer.floor_moments import polygon_moments
 from multi_localizer.floor_plan import FloorPlan
 from multi_localizer.floor_polish import polish
@@ -29,6 +30,8 @@ from multi_localizer.pose_estimate import PoseEstimate, difference, moved
 
 REACH = 1.02
 MIN_PIECES = 24
+MIN_BEHIND, BEHIND_PX = 4, 3.0
+MAX_OFFSET_SD = 4.0
 COARSE_PIECES = 160
 COARSE_STEPS, POLISH_STEPS = 20, 5
 SPREAD_PX = 1.0
@@ -75,7 +78,6 @@ class FloorShapeFitter:
     ) -> None:
         self.camera, self.plan = camera, plan
         self.config = FloorFitConfig() if config is None else config
-        self._scanner = BorderScanner(camera, REACH * plan.reach)
         self._walls = np.column_stack(
             (plan.corners, plan.tangents, plan.normals, plan.offsets, plan.lengths)
         )
@@ -85,6 +87,11 @@ class FloorShapeFitter:
             c.border_sd_px, c.max_sd_px, c.gate_sd, c.offset_sd_px, c.wall_sd_px, c.coarse_m
         )  # fmt: skip
         self._T_camera_base = SE2(*camera.position_m, 0.0).inverse()
+
+    @cached_property
+    def scanner(self) -> BorderScanner:
+        """What finds the border in masks; made when first needed."""
+        return BorderScanner(self.camera, REACH * self.plan.reach)
 
     def fit(self, mask: np.ndarray, guess: PoseEstimate | None = None) -> FloorFit:
         """Return the poses that a mask fits.
@@ -96,21 +103,33 @@ class FloorShapeFitter:
         Raises:
             ValueError: The mask is not of the camera's size.
         """
-        return self.fit_border(self._scanner.scan(mask), guess)
+        border = self.scanner.scan(mask)
+        fit = self.fit_border(border, guess)
+        behind = self._behind(border, fit)
+        if len(behind) < MIN_BEHIND:
+            return fit
+        return self.fit_border(self.scanner.scan(mask, behind), fit.candidates[0])
+
+    def _behind(self, border: BorderRays, fit: FloorFit) -> np.ndarray:
+        """Return the paths on which there is floor behind the walls."""
+        if fit.problem:
+            return np.empty(0, dtype=np.int64)
+        pose = (fit.candidates[0].pose @ self._T_camera_base.inverse()).as_array()
+        rows = np.empty((len(border.values) + 1, NUM_VALUES))
+        num = residuals(border.values, 1, pose, self._walls, rows)
+        return border.index[rows[:num, 0] < fit.offset_px - BEHIND_PX]
 
     def fit_border(self, border: BorderRays, guess: PoseEstimate | None = None) -> FloorFit:
         """Return the poses that a border fits."""
         if len(border.values) < MIN_PIECES:
             return _none(f"only {len(border.values)} pixels of the floor's border are seen", 0, 1.0)
         found = self._coarse(border, guess)
-        best = found[0][0]
         fits = [self._polished(border, start, offset) for start, offset, cost in found
                 if 1.0 - cost >= self.config.rival * (1.0 - found[0][2])]  # fmt: skip
         if fits[0].problem:
             return fits[0]
         good = [f for f in fits if not f.problem]
         candidates = tuple(c for f in good for c in self._mates(f.candidates[0]))
-        del best
         first = good[0]
         return FloorFit(
             candidates, first.num_points, first.residual_px, first.hidden_share, "",
@@ -191,14 +210,20 @@ class FloorShapeFitter:
         off = rows[:, 0] - offset
         rms = float(np.sqrt(np.mean(off[is_wall] ** 2)))
         beyond = float(np.mean((rows[:, 4] >= 0) & (off < -self.config.gate_sd * sd)))
-        problem = self._problem(pose, cov, sd, hidden, beyond)
+        problem = self._problem(pose, cov, sd, hidden, beyond, float(offset))
         if problem:
             return _none(problem, num, hidden, rms)
         estimate = moved(PoseEstimate(SE2(*pose), cov), self._T_camera_base)
         return FloorFit((estimate,), num, rms, hidden, "", float(offset))
 
     def _problem(
-        self, pose: np.ndarray, cov: np.ndarray, sd: float, hidden: float, beyond: float
+        self,
+        pose: np.ndarray,
+        cov: np.ndarray,
+        sd: float,
+        hidden: float,
+        beyond: float,
+        offset: float,
     ) -> str:
         if not self.plan.contains(pose[0], pose[1]):
             return "the border fits only outside of the plan"
@@ -206,6 +231,8 @@ class FloorShapeFitter:
             return f"{hidden:.0%} of the directions show no wall of the plan"
         if beyond > MAX_BEYOND:
             return f"{beyond:.0%} of the border lies where the plan has no floor"
+        if abs(offset) > MAX_OFFSET_SD * max(self.config.offset_sd_px, self.config.border_sd_px):
+            return f"the border lies {offset:.1f} px inside the walls"
         if sd >= self.config.max_sd_px:
             return f"the border scatters by {sd:.1f} px about the walls"
         x, y, yaw = np.sqrt(np.diag(cov))

@@ -160,8 +160,9 @@ def anneal(values, step, start, walls, spread, num_iterations):  # type: ignore[
         scale = max(spread, FALL * scale)
         cost, total = 0.0, 0.0
         for i in range(num):
-            # Nothing shows floor behind a wall, but much hides a wall.
-            ratio = off[i] / (scale if rows[i, 0] > offset else BEHIND * scale)
+            # Little shows floor behind a wall, but much hides a wall.
+            is_behind = rows[i, 0] < offset and scale > spread
+            ratio = off[i] / (BEHIND * scale if is_behind else scale)
             ratio *= ratio
             weights[i] = rows[i, 6] / (1.0 + ratio) ** 2 if ratio < 25.0 else 0.0
             ratio = (off[i] / spread) ** 2

@@ -5,7 +5,7 @@ A file holds `corners_m`, counter-clockwise, of a convex, a rectilinear or any o
     name: small_size_field
     corners_m: [[1.37, -0.76], ...]
     unused_edges: [1, 3]                # edges (from corner k) that the published fit leaves out
-    goals_m: {yellow_goal: [1.55, 0.0]} # what tells the two ends apart, by class of bearing
+    goals_m: {goal_yellow: [1.55, 0.0]} # what tells the two ends apart, by class of bearing
 """
 
 from __future__ import annotations

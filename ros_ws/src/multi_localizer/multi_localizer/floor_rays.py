@@ -57,18 +57,23 @@ class BorderScanner:
         middles = np.where(is_step[:, None], (pixels + before) / 2.0, np.nan)
         self._table = measured(camera, middles, 2.0 * np.pi / self.num_paths).astype(np.float32)
 
-    def scan(self, mask: np.ndarray) -> BorderRays:
+    def scan(self, mask: np.ndarray, farther: np.ndarray | None = None) -> BorderRays:
         """Return the border in a mask.
 
         Args:
             mask: Not 0 where the floor is, (H, W), uint8.
+            farther: Paths whose farthest floor is none of the plan's: the next one inwards counts.
 
         Raises:
             ValueError: The mask is not of the camera's size.
         """
         if mask.shape != self.shape:
             raise ValueError(f"mask must be {self.shape}, got {mask.shape}")
-        found = _first_floor(np.ascontiguousarray(mask).reshape(-1), self._flat, self._starts)
+        is_farther = np.zeros(self.num_paths, dtype=bool)
+        if farther is not None:
+            is_farther[farther] = True
+        flat = np.ascontiguousarray(mask).reshape(-1)
+        found = _first_floor(flat, self._flat, self._starts, is_farther)
         index = np.flatnonzero(found >= 0)
         values = self._table[found[index]].astype(np.float64)
         keep = np.isfinite(values[:, 2])
@@ -112,14 +117,19 @@ def measured(camera: FloorCamera, pixels: np.ndarray, spacing_rad: float) -> np.
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def _first_floor(mask, flat, starts):  # type: ignore[no-untyped-def]
+def _first_floor(mask, flat, starts, is_farther):  # type: ignore[no-untyped-def]
     """Return where each path comes upon floor, (K,); -1 if it never does or begins on it."""
     found = np.full(len(starts) - 1, -1, np.int64)
     for k in range(len(starts) - 1):
-        first = starts[k]
-        for j in range(first, starts[k + 1]):
+        first, end = starts[k], starts[k + 1]
+        if is_farther[k]:
+            while first < end and mask[flat[first]] == 0:
+                first += 1
+            while first < end and mask[flat[first]] != 0:
+                first += 1
+        for j in range(first, end):
             if mask[flat[j]] != 0:
-                if j > first:
+                if j > starts[k]:
                     found[k] = j
                 break
     return found
