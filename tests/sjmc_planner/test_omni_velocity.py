@@ -76,6 +76,13 @@ def test_the_open_direction_nearest_the_goal_is_taken():
     assert order.tolist() == [1, 3, 2, 0]
 
 
+def test_free_for_just_as_long_as_asked_is_open():
+    """T_j >= T_th (Step 5); the way straight at the goal wins only if it is open."""
+    for time, best in ((2.75, 0), (2.7499, 1)):
+        times = np.array([time, np.inf, 1.0, 1.0])
+        assert preference(times, directions(4), 0.1, 0.0, 2.75)[0] == best
+
+
 def test_with_none_open_the_one_free_longest_comes_first():
     times = np.array([1.0, 0.5, 2.0, 2.0])
     order = preference(times, directions(4), -0.1, 0.0, 2.75)
