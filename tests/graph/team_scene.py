@@ -108,14 +108,20 @@ class TeamVoices:
         return np.asarray(self._rng.permutation(bearings))
 
     def say_bearings(self, name: str, kind: str, stamp_ns: int, bearings: np.ndarray) -> None:
-        """Send bearings; NaN goes out as NaN."""
+        """Send bearings of a class."""
+        msg = self.bearings_msg(name, stamp_ns, bearings)
+        self._pubs[name, f"bearings/{kind}"].publish(msg)
+
+    @staticmethod
+    def bearings_msg(name: str, stamp_ns: int, bearings: np.ndarray) -> PoseArray:
+        """Return bearings as a message; NaN goes out as NaN."""
         frame = f"{name}/omni_camera_floor"
         finite = [SE2(0.0, 0.0, 0.0 if math.isnan(b) else float(b)) for b in bearings]
         msg = poses_to_msg(finite, ns_to_stamp(stamp_ns), frame)
         for pose, value in zip(msg.poses, bearings, strict=True):
             if math.isnan(value):
                 pose.orientation.z = pose.orientation.w = math.nan
-        self._pubs[name, f"bearings/{kind}"].publish(msg)
+        return msg
 
     def say_odometry(self, name: str, stamp_ns: int, pose: SE2) -> None:
         """Send odometry."""

@@ -177,10 +177,35 @@ def test_a_robot_without_a_pose_of_its_own_is_located_by_the_others(localizer, p
 def test_a_robot_that_lies_about_its_place_misleads_nobody(localizer, peer) -> None:
     node = localizer("r1", "-p", "poses_use_landmarks:=false")
     own = peer.collect(PoseWithCovarianceStamped, "/r1/team_pose", 10)
+    everyone = peer.collect(PoseArray, "/r1/team/poses", 10)
     team = Team(peer, node)
-    lie = SE2(3.0, 2.0, 0.0)
-    team.go_on(lambda: len(own) >= 5, lies={"r3": lie})
+    lies = {"r3": SE2(3.0, 2.0, 0.0)}
+    team.go_on(lambda: len(own) >= 5 and len(everyone) >= 5, lies=lies)
     assert is_near(estimate_from_msg(own[-1]).pose, "r1")
+    assert is_near(pose_to_se2(everyone[-1].poses[2]), "r3")
+    team.go_on(team.says("robot r3", WARN, "which its own pose contradicts"), lies=lies)
+
+
+def test_other_things_are_located_by_two_or_more(localizer, peer) -> None:
+    node = localizer("r1", "-p", "object_classes:=[ball]")
+    objects = peer.collect(PoseArray, "/r1/objects", 10)
+    team = Team(peer, node)
+    ball = np.array([[0.9, 0.4]])
+    balls = {
+        n: peer.publisher(PoseArray, f"/{n}/bearings/ball", RELIABLE_QOS, to=node) for n in POSES
+    }
+
+    def is_found() -> bool:
+        stamp = time.time_ns()
+        team.voices.say(stamp)
+        for name, publisher in balls.items():
+            publisher.publish(team.voices.bearings_msg(name, stamp, team.voices.seen(name, ball)))
+        peer.spin(ROUND_S)
+        return any(len(msg.poses) == 1 for msg in objects)
+
+    peer.spin_until(is_found)
+    (pose,) = next(msg.poses for msg in objects if msg.poses)
+    assert math.hypot(pose.position.x - 0.9, pose.position.y - 0.4) < NEAR_M
 
 
 def test_bearings_of_nan_and_doubled_messages_are_counted_and_harmless(localizer, peer) -> None:

@@ -1,9 +1,12 @@
-"""From a moment to poses: two rounds of the solver, rough poses carried from the answer before."""
+"""From a moment to poses: some rounds of the solver, rough poses carried from the answer before."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from floornav_common.se2 import SE2
 from multi_localizer.landmarks import Landmarks, positions
@@ -12,9 +15,12 @@ from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_corrections import Now, believed, corrected_views, largest_change
 from multi_localizer.team_inbox import Moment, TeamInbox
 from multi_localizer.team_solver import solve_team
-from multi_localizer.team_views import RobotView, TeamSolution
+from multi_localizer.team_views import NOBODY, RobotView, TeamSolution
 
 _WORTH_SD = 0.1
+_ROUNDS = 3
+_NEAR_M = 2.0  # how far robots are apart at least, most of the time
+_LOOSEST_RAD = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +38,15 @@ class TeamAnswer:
     solution: TeamSolution
     bases: Mapping[str, PoseEstimate]
     most_change: float = 0.0
+
+
+def is_liar(solution: TeamSolution, name: str) -> bool:
+    """Return whether nothing that a robot sends fits the others.
+
+    One of which only its own pose was wrong is located by what it sees and who sees it.
+    """
+    identities = solution.identities.get(name, np.zeros(0, dtype=int))
+    return name in solution.suspects and not bool(np.any(identities != NOBODY))
 
 
 class TeamAnswers:
@@ -55,10 +70,12 @@ class TeamAnswers:
         """Return the poses at a moment."""
         start = tuple(self._prepared(view, moment.stamp_ns) for view in moment.views)
         views = self._corrected(start, moment, believed(start, self._landmarks))
-        solution = solve_team(views, self._positions, self.config)
-        again = self._corrected(start, moment, solution)
-        if largest_change(views, again) > _WORTH_SD * self.config.bearing_sd_rad:
-            views, solution = again, solve_team(again, self._positions, self.config)
+        solution = solve_team(self._loosened(views, moment), self._positions, self.config)
+        for _ in range(_ROUNDS):
+            before, views = views, self._corrected(start, moment, solution)
+            if largest_change(before, views) < _WORTH_SD * self.config.bearing_sd_rad:
+                break
+            solution = solve_team(views, self._positions, self.config)
         most = largest_change(start, views)
         self._last = TeamAnswer(moment, solution, self._bases(solution), most)
         return self._last
@@ -73,6 +90,18 @@ class TeamAnswers:
         taken_ns = {name: sight.stamp_ns for name, sight in moment.sights.items()}
         now = Now(moment.stamp_ns, taken_ns, self._motion)
         return corrected_views(views, now, solution, self._landmarks)
+
+    def _loosened(self, views: tuple[RobotView, ...], moment: Moment) -> tuple[RobotView, ...]:
+        """Return views whose bearings may be off by the robots' ways since, not known in them."""
+        ways = [
+            self._motion(name, sight.stamp_ns, moment.stamp_ns)
+            for name, sight in moment.sights.items()
+        ]
+        longest = max([way.distance for way in ways if way is not None], default=0.0)
+        sd = math.hypot(self.config.bearing_sd_rad, longest / _NEAR_M)
+        if longest / _NEAR_M < _WORTH_SD * self.config.bearing_sd_rad:
+            return views
+        return tuple(replace(view, bearing_sd=min(sd, _LOOSEST_RAD)) for view in views)
 
     def _motion(self, name: str, from_ns: int, to_ns: int) -> SE2 | None:
         return self._inbox.robots[name].camera_motion(from_ns, to_ns)
@@ -92,6 +121,6 @@ class TeamAnswers:
         bases = {}
         for name, estimate in solution.estimates.items():
             mount = self._inbox.robots[name].mount
-            if mount is not None and name not in solution.suspects:
+            if mount is not None and not is_liar(solution, name):
                 bases[name] = moved(estimate, mount.inverse())
         return bases

@@ -11,7 +11,7 @@ from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from multi_localizer.clock_offsets import clock_problem
 from multi_localizer.robot_inbox import RobotInbox
-from multi_localizer.team_answers import TeamAnswer
+from multi_localizer.team_answers import TeamAnswer, is_liar
 from multi_localizer.team_inbox import TeamInbox
 from multi_localizer.team_node_config import TeamTimingConfig
 from multi_localizer.team_views import NOBODY
@@ -76,14 +76,13 @@ class TeamReports:
             "time of solving (ms)": f"{self._ms:.2f}",
             "largest correction of a bearing (deg)": f"{math.degrees(answer.most_change):.2f}",
             "objects located": len(solution.objects),
-            "notes": "; ".join(solution.notes),
         }
         return Status(*self._verdict(answer), values)
 
     def _verdict(self, answer: TeamAnswer) -> tuple[bytes, str]:
         solution, moment = answer.solution, answer.moment
         doubts = [f"{name}: {why}" for name, why in moment.missing.items()]
-        doubts += [f"{name} contradicts the others" for name in solution.suspects]
+        doubts += solution.notes
         if solution.unobservable:
             doubts.append(solution.unobservable)
         if len(moment.sights) < FEWEST:
@@ -128,13 +127,15 @@ class TeamReports:
         values["bearings with a name"] = int(np.count_nonzero(identities != NOBODY))
         values["taken after the moment (s)"] = f"{skew_ns / 1e9:.3f}"
         values["has its own pose"] = sight.view.rough is not None
-        if name in answer.solution.suspects:
-            return ERROR, "contradicts the others: its bearings or its own pose are wrong"
+        if is_liar(answer.solution, name):
+            return ERROR, "contradicts the others: its bearings are wrong"
         if name not in answer.bases:
             return WARN, answer.solution.unobservable or answer.solution.problem or "not located"
         sd = np.sqrt(np.diag(answer.bases[name].cov))
         values["deviation (m)"] = f"{math.hypot(sd[0], sd[1]):.3f}"
         values["deviation (deg)"] = f"{math.degrees(sd[2]):.2f}"
+        if name in answer.solution.suspects:
+            return WARN, "located by the others, which its own pose contradicts"
         if sight.view.rough is None:
             return WARN, "located without a pose of its own"
         return OK, "located"
