@@ -19,6 +19,8 @@ from floornav_common.config_files import parameter_fields
 from floornav_common.frames import FrameConfig
 from floornav_common.ros.node import ProcessConfig
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
+from multi_localizer.floor_node_config import FloorLocalizerConfig, FloorPoseConfig
+from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_node_config import TeamNodeConfig, TeamTimingConfig
 from sim_bridge.camera_config import OmniCameraConfig, StereoConfig
@@ -44,6 +46,12 @@ NODES: dict[str, tuple[type, ...]] = {
     ),
     "floor_perception marker_detector": (
         CameraNodeConfig, MarkerNodeConfig, FrameConfig, ProcessConfig,
+    ),
+    "multi_localizer floor_localizer": (
+        FloorLocalizerConfig, FloorPoseConfig, FrameConfig, ProcessConfig,
+    ),
+    "multi_localizer landmark_localizer": (
+        LandmarkNodeConfig, LandmarkConfig, FrameConfig, ProcessConfig,
     ),
     "multi_localizer team_localizer": (
         TeamNodeConfig, TeamTimingConfig, TeamConfig, FrameConfig, ProcessConfig,

@@ -161,8 +161,7 @@ class LandmarkLocator:
     ) -> tuple[Assignment, float]:
         """Return the nearest landmark of each sighting, each taken once, and what it costs.
 
-        A distance that does not fit costs less than a bearing: more often than not something else
-        stands before the landmark's foot.
+        A distance that does not fit costs less than a bearing: something stands before the foot.
         """
         limit = (wide * self._config.gate_sd) ** 2
         limit_far = 0.5 * limit

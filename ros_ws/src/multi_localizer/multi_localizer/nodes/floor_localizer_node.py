@@ -37,6 +37,7 @@ from multi_localizer.goal_evidence import GoalsSeen
 from multi_localizer.nodes.floor_report import FloorReport
 from multi_localizer.nodes.initial_pose import hear_initial_pose
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
+from multi_localizer.nodes.state_log import StateLog
 from multi_localizer.ros_conversions import bearings_from_msg
 
 WARN_PERIOD_NS = 5_000_000_000
@@ -62,6 +63,7 @@ class FloorLocalizerNode(FloornavNode):
         watchdog = Watchdog(self, self._masks.topic, config.mask_timeout_s)
         self._report = FloorReport(self._localizer, watchdog, self._outputs)
         self.diagnostics.add("floor pose", self._report.status)
+        self._log = StateLog(self, self._report.status)
         self.time.on_look(self._look)
         self.transforms.on_restart(self._localizer.tracker.reset)
         for kind in self._plan.goals:

@@ -80,6 +80,10 @@ class FloorReport:
         }
         if tracker.hypotheses:
             best = tracker.hypotheses[0]
+            pose = best.estimate.pose
+            values["best x, y (m), yaw (deg)"] = (
+                f"{pose.x:.3f}, {pose.y:.3f}, {math.degrees(pose.yaw):.1f}"
+            )
             x, y, yaw = np.sqrt(np.diag(best.estimate.cov))
             values["belief in the best"] = f"{best.share:.3f}"
             values["deviation x, y (mm), yaw (deg)"] = (

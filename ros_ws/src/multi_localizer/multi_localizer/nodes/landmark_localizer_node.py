@@ -35,6 +35,7 @@ from multi_localizer.landmark_views import LandmarkViews
 from multi_localizer.landmarks import load_landmarks
 from multi_localizer.nodes.landmark_report import LandmarkReport
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
+from multi_localizer.nodes.state_log import StateLog
 from multi_localizer.pose_estimate import moved
 from multi_localizer.ros_conversions import bearings_from_msg
 from multi_localizer.stamp_groups import StampGroups
@@ -57,6 +58,7 @@ class LandmarkLocalizerNode(FloornavNode):
         self._watchdog = Watchdog(self, "bearings", config.input_timeout_s)
         self._report = LandmarkReport(self._watchdog, self._outputs, self._groups)
         self.diagnostics.add("landmark pose", self._report.status)
+        self._log = StateLog(self, self._report.status)
         self._topics = [
             TransformedSubscription(
                 self, PoseArray, f"bearings/{kind}", RELIABLE_QOS, self.frames.base,
