@@ -66,6 +66,10 @@ class TeamConfig:
     least_views: int = param(
         2, "Robots with fewer bearings than this are not looked for anew.", ge=1
     )
+    search_rounds: int = param(
+        6, "Identities are looked at again at most so many times after a search.", ge=1, le=100
+    )
+    max_lost: int = param(10, "So many of them are looked for at once, the worst ones.", ge=1)
     max_searches: int = param(4, "Robots are looked for anew so many times.", ge=0, le=100)
     liar_share: float = param(
         0.5, "Bearings of a robot of which less than this share fits anybody are left out.",

@@ -51,13 +51,15 @@ def identify(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig)
     start = Identification(
         none, np.zeros(len(none)), none, marks, prior_weight, TeamFit(x, cov, alone.cost)
     )
-    return refine(problem, start, config)
+    return refine(problem, start, config, config.max_rounds)
 
 
-def refine(problem: TeamProblem, state: Identification, config: TeamConfig) -> Identification:
+def refine(
+    problem: TeamProblem, state: Identification, config: TeamConfig, max_rounds: int
+) -> Identification:
     """Go on from poses that are known somehow, round by round, until nothing changes."""
     level = 0
-    for turn in range(config.max_rounds):
+    for turn in range(max_rounds):
         weighed = _believe(problem, state, config)
         seen = choose(weighed.owner, weighed.belief, state.seen, _LEVELS[level], config.new_share)
         marks = find_marks(problem, state.fit, config)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit
 from multi_localizer.team_problem import TeamProblem
-from multi_localizer.team_relocate import best_places, best_pose, crossing_score, pattern_score
+from multi_localizer.team_relocate import (
+    best_places,
+    best_pose,
+    crossing_score,
+    nearest_table,
+    pattern_score,
+)
 from multi_localizer.team_state import Identification
 
 _ANYWHERE = 1.0  # m around the team
@@ -17,6 +23,9 @@ _REACH = 3.2  # deviations of a rough pose
 _BETTER = 2.0  # log-likelihood that a new place must gain
 _BETTER_ANYWHERE = 6.0
 _BLUR = 0.04  # m
+_LEAST_PLACED = 2
+_LITTLE = 0.5  # share of its bearings: a robot that explains less may be anywhere
+_MOST_PRIOR = 8.0
 _PLACED_SD = 0.6  # m; robots known worse help nobody
 _WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where the robot is: it was wrong
 
@@ -50,9 +59,18 @@ def relocate_lost(
     owners = np.repeat(np.arange(problem.num_robots), np.diff(problem.start))
     is_lost = np.zeros(problem.num_robots, dtype=np.bool_)
     is_lost[lost] = True
+    share = explained_share(problem, found)
     for u in lost:
-        pose = _search(problem, x, cov, owner, int(u), is_lost, weight, config)
+        is_open = (owner < 0) | (owner == u) | (owners == u)
+        table = nearest_table(problem.start, problem.bearings, is_open)
         is_lost[u] = False
+        is_placed = _placed(cov) & ~is_lost
+        is_placed[u] = False
+        pose = None
+        if is_placed.sum() >= _LEAST_PLACED:
+            is_wide = weight[u] == 0.0 or share[u] < _LITTLE
+            search = _Search(problem, x, cov, int(u), table, is_placed, bool(weight[u] > 0.0))
+            pose = search.better_pose(is_wide)
         if pose is None:
             continue
         num_moved += 1
@@ -64,70 +82,65 @@ def relocate_lost(
     return replace(found, fit=fit, seen=seen, prior_weight=weight), num_moved
 
 
-def _search(
-    problem: TeamProblem, x: np.ndarray, cov: np.ndarray, owner: np.ndarray, u: int,
-    is_lost: np.ndarray, weight: np.ndarray, config: TeamConfig,
-) -> np.ndarray | None:  # fmt: skip
-    """Return a better pose of robot u, (3,); None if there is none."""
-    is_open = (owner < 0) | (owner == u)
+def _placed(cov: np.ndarray) -> np.ndarray:
+    """Return which robots are known well enough to help, (N,) bool."""
     var = np.diag(cov).reshape(-1, 3)
-    is_placed = np.sqrt(0.5 * (var[:, 0] + var[:, 1])) < _PLACED_SD
-    is_placed &= ~is_lost
-    is_placed[u] = False
-    if is_placed.sum() < 2:
-        return None
-    now = -np.inf
-    has_prior = weight[u] > 0.0
-    if np.sqrt(var[u, 0]) < config.far_sd_m:
-        now = _score(problem, x, cov, u, is_open, is_placed, x[u], has_prior)
-    best = None
-    if has_prior:
-        sd = np.sqrt(np.diag(np.linalg.inv(problem.prior_info[u])))
-        half = _REACH * np.maximum(sd[:2], 0.05)
-        pose = _look(problem, x, cov, u, is_open, is_placed, problem.prior[u], half, _REACH * sd[2])
-        score = _score(problem, x, cov, u, is_open, is_placed, pose, has_prior)
-        if score > now + _BETTER:
-            best, now = pose, score
-    if best is None:
-        corners = np.vstack((x[is_placed, :2], problem.marks))
+    return np.asarray(0.5 * (var[:, 0] + var[:, 1]) < _PLACED_SD**2)
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The search for one robot, `u`, among those that are placed."""
+
+    problem: TeamProblem
+    x: np.ndarray
+    cov: np.ndarray
+    u: int
+    table: np.ndarray
+    is_placed: np.ndarray
+    has_prior: bool
+
+    def better_pose(self, is_wide: bool) -> np.ndarray | None:
+        """Return a pose that explains more than the present one, (3,); None if there is none."""
+        now = self.score(self.x[self.u])
+        if self.has_prior:
+            prior = self.problem.prior[self.u]
+            sd = np.sqrt(np.diag(np.linalg.inv(self.problem.prior_info[self.u])))
+            half = _REACH * np.maximum(sd[:2], 0.05)
+            pose = self.look(prior, half, float(_REACH * sd[2]))
+            if self.score(pose) > now + _BETTER:
+                return pose
+        if not is_wide:
+            return None
+        corners = np.vstack((self.x[self.is_placed, :2], self.problem.marks))
         low, high = corners.min(axis=0) - _ANYWHERE, corners.max(axis=0) + _ANYWHERE
         middle = np.array([*(0.5 * (low + high)), 0.0])
-        pose = _look(
-            problem, x, cov, u, is_open, is_placed, middle, 0.5 * (high - low), 2.0 * np.pi
+        pose = self.look(middle, 0.5 * (high - low), 2.0 * np.pi)
+        return pose if self.score(pose) > now + _BETTER_ANYWHERE else None
+
+    def look(self, middle: np.ndarray, half: np.ndarray, yaw_reach: float) -> np.ndarray:
+        """Return the best pose around `middle`, (3,); rough poses speak within their reach."""
+        problem = self.problem
+        info = problem.prior_info[self.u] * (yaw_reach < np.pi)
+        arrays = (self.x, self.cov, problem.bearings, problem.var, self.table, self.is_placed)
+        places = best_places(
+            self.u, middle[:2], half, problem.prior[self.u], info, *arrays
+        )  # fmt: skip
+        pose = best_pose(
+            self.u, places, middle[2], yaw_reach, _BLUR, *arrays, *_mark_arrays(problem)
         )
-        if _score(problem, x, cov, u, is_open, is_placed, pose, has_prior) > now + _BETTER_ANYWHERE:
-            best = pose
-    return best
+        return np.asarray(pose[:3])
 
-
-def _look(
-    problem: TeamProblem, x: np.ndarray, cov: np.ndarray, u: int, is_open: np.ndarray,
-    is_placed: np.ndarray, middle: np.ndarray, half: np.ndarray, yaw_reach: float,
-) -> np.ndarray:  # fmt: skip
-    """Return the best pose around `middle`, (3,)."""
-    info = problem.prior_info[u] * (yaw_reach < np.pi)
-    places = best_places(
-        u, middle[:2], half, problem.prior[u], info, x, cov, problem.start, problem.bearings,
-        problem.var, is_open, is_placed,
-    )  # fmt: skip
-    pose = best_pose(
-        u, places, middle[2], yaw_reach, _BLUR, x, cov, problem.start, problem.bearings,
-        problem.var, is_placed, *_mark_arrays(problem),
-    )  # fmt: skip
-    return np.asarray(pose[:3])
-
-
-def _score(
-    problem: TeamProblem, x: np.ndarray, cov: np.ndarray, u: int, is_open: np.ndarray,
-    is_placed: np.ndarray, pose: np.ndarray, has_prior: bool,
-) -> float:  # fmt: skip
-    arrays = (x, cov, problem.start, problem.bearings, problem.var)
-    px, py, yaw = (float(value) for value in pose)
-    score = crossing_score(px, py, u, _BLUR, *arrays, is_open, is_placed)
-    score += pattern_score(px, py, yaw, u, _BLUR, *arrays, is_placed, *_mark_arrays(problem))
-    if has_prior:
-        score -= min(0.5 * _prior_distance(problem, u, pose), 8.0)
-    return float(score)
+    def score(self, pose: np.ndarray) -> float:
+        """Return how well a pose explains everybody's bearings, a log-likelihood."""
+        problem = self.problem
+        arrays = (self.x, self.cov, problem.bearings, problem.var, self.table, self.is_placed)
+        px, py, yaw = (float(value) for value in pose)
+        score = crossing_score(px, py, self.u, _BLUR, *arrays)
+        score += pattern_score(px, py, yaw, self.u, _BLUR, *arrays, *_mark_arrays(problem))
+        if self.has_prior:
+            score -= min(0.5 * _prior_distance(problem, self.u, pose), _MOST_PRIOR)
+        return float(score)
 
 
 def _mark_arrays(problem: TeamProblem) -> tuple[np.ndarray, ...]:

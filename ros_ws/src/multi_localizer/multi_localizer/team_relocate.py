@@ -13,13 +13,14 @@ import numpy as np
 from multi_localizer.team_normal import wrap
 from multi_localizer.team_yaws import position_sd
 
+BINS = 256
+"""Directions at which the nearest bearing is noted."""
 _CELLS = 10  # of the grid, to each side of its middle
 _PLACES = 6  # looked at more closely
 _DETECTED = 0.6
 _CLUTTER = 0.5 / (2.0 * np.pi)
 _MOST_PRIOR = 8.0  # a rough pose may be plain wrong: it speaks against a place no louder
 _YAW_STEP = 0.03
-_OWNED = 0.8  # believed so much a bearing is somebody else's
 
 
 @numba.njit(cache=True, inline="always")
@@ -30,9 +31,36 @@ def _term(e: float, v: float) -> float:
 
 
 @numba.njit(cache=True)
+def nearest_table(start: np.ndarray, bearings: np.ndarray, is_open: np.ndarray) -> np.ndarray:
+    """Return, for each robot and each of `BINS` directions, its nearest open bearing; -1 for none.
+
+    Args:
+        start: Where each robot's bearings begin, (N + 1,).
+        bearings: (M,), rad.
+        is_open: Bearings to look at, (M,) bool.
+    """
+    table = np.full((len(start) - 1, BINS), -1, dtype=np.int64)
+    for i in range(len(start) - 1):
+        for b in range(BINS):
+            nearest = 7.0
+            for k in range(start[i], start[i + 1]):
+                if is_open[k]:
+                    e = abs(wrap(bearings[k] - (2.0 * np.pi * (b + 0.5) / BINS - np.pi)))
+                    if e < nearest:
+                        nearest, table[i, b] = e, k
+    return table
+
+
+@numba.njit(cache=True, inline="always")
+def _look_up(table: np.ndarray, i: int, direction: float) -> int:
+    """Return the bearing of robot i that is nearest to a direction, to half a bin; or -1."""
+    return table[i, min(int((wrap(direction) + np.pi) * (BINS / (2.0 * np.pi))), BINS - 1)]
+
+
+@numba.njit(cache=True)
 def crossing_score(
-    px: float, py: float, u: int, blur: float, x: np.ndarray, cov: np.ndarray, start: np.ndarray,
-    bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray, is_placed: np.ndarray,
+    px: float, py: float, u: int, blur: float, x: np.ndarray, cov: np.ndarray,
+    bearings: np.ndarray, var: np.ndarray, table: np.ndarray, is_placed: np.ndarray,
 ) -> float:  # fmt: skip
     """Return how well the others' open bearings meet at a place."""
     score = 0.0
@@ -42,22 +70,18 @@ def crossing_score(
         dx, dy = px - x[j, 0], py - x[j, 1]
         squared = max(dx * dx + dy * dy, 1e-2)
         expected = np.arctan2(dy, dx) - x[j, 2]
-        nearest, own = 7.0, 0.0
-        for k in range(start[j], start[j + 1]):
-            if is_open[k]:
-                e = abs(wrap(bearings[k] - expected))
-                if e < nearest:
-                    nearest, own = e, var[k]
-        if nearest < 4.0:
+        k = _look_up(table, j, expected)
+        if k >= 0:
             spread = position_sd(cov, j) ** 2 + blur * blur
-            score += _term(nearest, own + spread / squared + cov[3 * j + 2, 3 * j + 2])
+            v = var[k] + spread / squared + cov[3 * j + 2, 3 * j + 2]
+            score += _term(wrap(bearings[k] - expected), v)
     return score
 
 
 @numba.njit(cache=True)
 def pattern_score(
     px: float, py: float, yaw: float, u: int, blur: float, x: np.ndarray, cov: np.ndarray,
-    start: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_placed: np.ndarray,
+    bearings: np.ndarray, var: np.ndarray, table: np.ndarray, is_placed: np.ndarray,
     mark_robot: np.ndarray, mark_bearing: np.ndarray, mark_var: np.ndarray, marks: np.ndarray,
     mark_first: np.ndarray, mark_last: np.ndarray,
 ) -> float:  # fmt: skip
@@ -69,14 +93,11 @@ def pattern_score(
         dx, dy = x[j, 0] - px, x[j, 1] - py
         squared = max(dx * dx + dy * dy, 1e-2)
         expected = np.arctan2(dy, dx) - yaw
-        nearest, own = 7.0, 0.0
-        for k in range(start[u], start[u + 1]):
-            e = abs(wrap(bearings[k] - expected))
-            if e < nearest:
-                nearest, own = e, var[k]
-        if nearest < 4.0:
+        k = _look_up(table, u, expected)
+        if k >= 0:
             spread = position_sd(cov, j) ** 2 + blur * blur
-            score += _term(nearest, own + spread / squared + _YAW_STEP**2 / 12.0)
+            v = var[k] + spread / squared + _YAW_STEP**2 / 12.0
+            score += _term(wrap(bearings[k] - expected), v)
     for k in range(len(mark_robot)):
         if mark_robot[k] != u:
             continue
@@ -101,8 +122,8 @@ def _against_prior(px: float, py: float, prior: np.ndarray, info: np.ndarray) ->
 @numba.njit(cache=True)
 def best_places(
     u: int, middle: np.ndarray, half: np.ndarray, prior: np.ndarray, info: np.ndarray,
-    x: np.ndarray, cov: np.ndarray, start: np.ndarray, bearings: np.ndarray, var: np.ndarray,
-    is_open: np.ndarray, is_placed: np.ndarray,
+    x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, table: np.ndarray,
+    is_placed: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Return the places of a grid, refined once, at which most bearings cross: x, y, score."""
     side = 2 * _CELLS + 1
@@ -113,7 +134,7 @@ def best_places(
         for c in range(side):
             px, py = middle[0] + (c - _CELLS) * step[0], middle[1] + (r - _CELLS) * step[1]
             scores[r, c] = crossing_score(
-                px, py, u, blur, x, cov, start, bearings, var, is_open, is_placed
+                px, py, u, blur, x, cov, bearings, var, table, is_placed
             ) - _against_prior(px, py, prior, info)
     found = np.full((_PLACES, 3), -np.inf)
     for p in range(_PLACES):
@@ -125,7 +146,7 @@ def best_places(
             for c in range(-2, 3):
                 qx, qy = px + 0.3 * c * step[0], py + 0.3 * r * step[1]
                 score = crossing_score(
-                    qx, qy, u, 0.4 * blur, x, cov, start, bearings, var, is_open, is_placed
+                    qx, qy, u, 0.4 * blur, x, cov, bearings, var, table, is_placed
                 ) - _against_prior(qx, qy, prior, info)
                 if score > found[p, 2]:
                     found[p, 0], found[p, 1], found[p, 2] = qx, qy, score
@@ -136,7 +157,7 @@ def best_places(
 @numba.njit(cache=True)
 def best_pose(
     u: int, places: np.ndarray, yaw: float, reach: float, blur: float, x: np.ndarray,
-    cov: np.ndarray, start: np.ndarray, bearings: np.ndarray, var: np.ndarray,
+    cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, table: np.ndarray,
     is_placed: np.ndarray, mark_robot: np.ndarray, mark_bearing: np.ndarray, mark_var: np.ndarray,
     marks: np.ndarray, mark_first: np.ndarray, mark_last: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
@@ -149,7 +170,7 @@ def best_pose(
         for s in range(-half, half + 1):
             turned = yaw + s * _YAW_STEP
             score = places[p, 2] + pattern_score(
-                places[p, 0], places[p, 1], turned, u, blur, x, cov, start, bearings, var,
+                places[p, 0], places[p, 1], turned, u, blur, x, cov, bearings, var, table,
                 is_placed, mark_robot, mark_bearing, mark_var, marks, mark_first, mark_last,
             )  # fmt: skip
             if reach < np.pi:

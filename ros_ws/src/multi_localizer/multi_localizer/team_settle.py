@@ -10,6 +10,8 @@ from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import explained_share, relocate_lost
 from multi_localizer.team_state import Identification
 
+_GAIN = 1.003  # a search that explains no more than this many times as much is the last
+
 
 def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
     """Identify from rough poses, then look for robots that do not fit, again and again.
@@ -26,13 +28,23 @@ def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
         lost = np.flatnonzero((share < config.explained_share) & has_views)
         if not len(lost):
             break
-        found, num_moved = relocate_lost(problem, found, lost[np.argsort(-share[lost])], config)
+        found, num_moved = relocate_lost(problem, found, _order(lost, share, config), config)
         if num_moved == 0:
             break
-        found = refine(problem, found, config)
-        if num_explained(found) > num_explained(best):
+        found = refine(problem, found, config, config.search_rounds)
+        if num_explained(found) > num_explained(best) * _GAIN:
             best = found
-    return best if num_explained(best) > num_explained(found) else found
+        elif num_explained(found) > num_explained(best):
+            return found
+        else:
+            return best
+    return best
+
+
+def _order(lost: np.ndarray, share: np.ndarray, config: TeamConfig) -> np.ndarray:
+    """Return the robots to look for: the worst ones if there are many, the best of them first."""
+    worst_first = lost[np.argsort(share[lost], kind="stable")][: config.max_lost]
+    return worst_first[::-1]
 
 
 def num_explained(found: Identification) -> float:
