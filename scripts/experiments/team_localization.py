@@ -17,6 +17,7 @@ from typing import Any
 from experiments.team_paper_cases import NOISES_DEG, fits_best, paper_case
 from experiments.team_report import sections
 from experiments.team_rows import MANY_ROBOTS, ROWS, judged, num_layouts
+from experiments.team_things import SIZES, judged_things
 from experiments.team_triangles import every_triangle
 from floornav_common.reporting import Progress, Section, UserError
 from floornav_common.ros.threads import limit_threads
@@ -44,9 +45,9 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Judge all rows, write pictures, and return the report."""
     limit_threads(1)
     seeds = range(args.seed, args.seed + args.layouts)
-    tables = ("paper_cases", "sweep", "variants", "faults", "published", "every_triangle")
+    tables = ("paper_cases", "sweep", "variants", "faults", "published", "things", "every_triangle")
     values.update(layouts=args.layouts, best_noise_deg=None, **{key: [] for key in tables})
-    num_steps = len(NOISES_DEG) + len(ROWS) + 1
+    num_steps = len(NOISES_DEG) + len(ROWS) + 2
     with Progress("team-localization", num_steps, is_quiet=args.quiet) as progress:
         for k, noise_deg in enumerate(NOISES_DEG, 1):
             progress.update(k, f"the paper's four robots, {noise_deg:g} deg")
@@ -55,6 +56,8 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         for k, row in enumerate(ROWS, len(NOISES_DEG) + 1):
             progress.update(k, row.title)
             values[row.table].append(judged(row, seeds[: num_layouts(row, args.layouts)]))
+        progress.update(num_steps - 1, "other things")
+        values["things"] = [judged_things(num, seeds) for num in SIZES]
         progress.update(num_steps, "every triangle", is_last=True)
         values["every_triangle"] = every_triangle(values["sweep"], args.seed)
     return sections(args.out_dir, values, args.seed)

@@ -35,6 +35,7 @@ def sections(out: Path, values: dict[str, Any], seed: int) -> list[Section]:
         Section("Variants: 10 robots, 1 deg", [_table(values["variants"])]),
         Section("One robot at fault: the nine others", _fault_blocks(values["faults"])),
         Section("As published, rough poses drawn", [_table(values["published"])]),
+        Section("Other things: three balls, 1 deg", [_things_table(values["things"])]),
         Section("Every triangle", _triangle_blocks(values["every_triangle"])),
         Section("What was to be reached", [_reached_table(values["reached"])]),
         Section("Pictures", [Picture(path, text) for path, text in pictures]),
@@ -148,6 +149,16 @@ def _fault_blocks(rows: Sequence[Mapping[str, Any]]) -> list[Any]:
         for row in rows
     ]  # fmt: skip
     return [Table(header, cells)]
+
+
+def _things_table(rows: Sequence[Mapping[str, Any]]) -> Table:
+    header = ["robots", "balls", "located %", "not there", "rms m", "NEES (2 if true)"]
+    cells = [
+        [row["n"], row["things"], _percent(row["located_share"]), row["phantoms"],
+         _number(row["rms_m"], 3), _nees(row)]
+        for row in rows
+    ]  # fmt: skip
+    return Table(header, cells)
 
 
 def _triangle_blocks(rows: Sequence[Mapping[str, Any]]) -> list[Any]:
