@@ -11,7 +11,9 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import ClassVar
 
 LINK = Path(__file__).with_name("lossy_link.py")
 # A host's own shared memory and name, kept by a process that others join.
@@ -42,29 +44,35 @@ def why_not() -> str:
 class TwoHosts:
     """Two hosts, `a` at 10.77.0.1 and `b` at 10.77.0.2, and the cable's namespace between."""
 
+    ADDRESSES: ClassVar = {"a": "10.77.0.1", "b": "10.77.0.2"}
+
     def __init__(self) -> None:
         """Make them."""
         tag = f"fnav{os.getpid()}"
         self.cable = f"{tag}-cable"
         self.hosts = {side: f"{tag}-{side}" for side in ("a", "b")}
         _must("ip", "netns", "add", self.cable)
-        for number, (side, host) in enumerate(self.hosts.items(), start=1):
+        for side, host in self.hosts.items():
             _must("ip", "netns", "add", host)
             _must(
                 "ip", "-n", host, "link", "add", "name", "eth0", "type", "veth",
                 "peer", "name", f"to_{side}", "netns", self.cable,
             )  # fmt: skip
-            _must("ip", "-n", host, "address", "add", f"10.77.0.{number}/24", "dev", "eth0")
+            _must("ip", "-n", host, "address", "add", f"{self.ADDRESSES[side]}/24", "dev", "eth0")
             for device in ("lo", "eth0"):
                 _must("ip", "-n", host, "link", "set", device, "up")
             _must("ip", "-n", host, "route", "add", "default", "dev", "eth0")
             _must("ip", "-n", self.cable, "link", "set", f"to_{side}", "up")
         self._keepers = {side: _keep(host) for side, host in self.hosts.items()}
 
+    def join(self, side: str, command: Sequence[str]) -> list[str]:
+        """Return the command that runs another one on a host."""
+        keeper = str(self._keepers[side].pid)
+        return ["nsenter", "-t", keeper, "-m", "-u", "-i", "-n", *command]
+
     def command(self, side: str, *words: str | Path) -> list[str]:
         """Return the command that runs a python script on a host."""
-        keeper = str(self._keepers[side].pid)
-        return ["nsenter", "-t", keeper, "-m", "-u", "-i", "-n", sys.executable, *map(str, words)]
+        return self.join(side, [sys.executable, *map(str, words)])
 
     def link_command(self, *words: str) -> list[str]:
         """Return the command of the cable."""

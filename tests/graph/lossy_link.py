@@ -38,7 +38,12 @@ def plan(rng: np.random.Generator, loss: float, delay_s: float, double: float) -
     return [float(rng.exponential(delay_s)) for _ in range(1 + (rng.random() < double))]
 
 
-def carry(ends: list[socket.socket], draw: Callable[[], list[float]]) -> None:
+def is_multicast(frame: bytes) -> bool:
+    """Whether a frame is for a group; a broadcast, as of ARP, is none."""
+    return bool(frame[0] & 1) and frame[:6] != b"\xff" * 6
+
+
+def carry(ends: list[socket.socket], draw: Callable[[], list[float]], is_unicast: bool) -> None:
     """Carry frames for ever; `draw` says when the copies of one arrive."""
     waiting: list[tuple[float, int, int, bytes]] = []
     count = 0
@@ -50,7 +55,7 @@ def carry(ends: list[socket.socket], draw: Callable[[], list[float]]) -> None:
         timeout = max(waiting[0][0] - now, 0.0) if waiting else 1.0
         for end in select.select(ends, [], [], timeout)[0]:
             frame, address = end.recvfrom(_MAX_FRAME)
-            if address[2] == _OUTGOING:
+            if address[2] == _OUTGOING or (is_unicast and is_multicast(frame)):
                 continue
             to, frame = 1 - ends.index(end), without_checksum(frame)
             for delay in draw():
@@ -64,6 +69,7 @@ def main() -> int:
     parser.add_argument("--loss", type=float, default=0.0)
     parser.add_argument("--delay", type=float, default=0.0, help="mean, s")
     parser.add_argument("--double", type=float, default=0.0)
+    parser.add_argument("--unicast", action="store_true", help="no multicast, as much wireless")
     parser.add_argument("--seed", type=int, default=0)
     args = parser.parse_args()
     ends = []
@@ -73,7 +79,7 @@ def main() -> int:
         ends.append(end)
     rng = np.random.default_rng(args.seed)
     print("linked", flush=True)
-    carry(ends, lambda: plan(rng, args.loss, args.delay, args.double))
+    carry(ends, lambda: plan(rng, args.loss, args.delay, args.double), args.unicast)
     return 0
 
 

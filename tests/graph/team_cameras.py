@@ -1,4 +1,4 @@
-"""The cameras of some robots of `team_scene`: `team_cameras.py NAME... --team NAME... [--ahead S]`.
+"""Cameras of robots of `team_scene`: `team_cameras.py --names NAME... --team NAME... --ahead S`.
 
 With `--ahead` it also sends `/clock`, that much ahead of the machine's own: a host whose clock is
 wrong. What its nodes find is printed, one line a pose and one a diagnosis.
@@ -25,7 +25,7 @@ ROUND_NS, CLOCK_S = 100_000_000, 0.01
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="+")
+    parser.add_argument("--names", nargs="+", required=True)
     parser.add_argument("--team", nargs="+", default=list(POSES))
     parser.add_argument("--ahead", type=float, default=0.0)
     args = parser.parse_args()

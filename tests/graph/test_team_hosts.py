@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 import re
+import shutil
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -18,16 +20,22 @@ pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 
 from conftest import NodeProcess
 from hosts import TwoHosts, why_not
-from lossy_link import plan, without_checksum
+from lossy_link import is_multicast, plan, without_checksum
 from team_scene import POSES, write_landmarks
 
 HERE = Path(__file__).parent
 NODE = (HERE / "listening.py", "multi_localizer.nodes.team_localizer_node")
 TEAM = ("r1", "r2", "r3")
 AHEAD_S = 0.7
-LINK = ("--loss", "0.15", "--delay", "0.01", "--double", "0.2", "--seed", "1")
+BAD_LINE = ("--loss", "0.15", "--delay", "0.01", "--double", "0.2", "--seed", "1")
 NEAR_M = 0.15
 NO_HOSTS = why_not()
+needs_hosts = pytest.mark.skipif(
+    bool(NO_HOSTS), reason=f"NOT TESTED between separate hosts: {NO_HOSTS}"
+)
+BIN = Path(sys.executable).parent
+SERVER = shutil.which("fast-discovery-server", path=f"{BIN}:{os.environ['PATH']}")
+"""What `fastdds discovery` runs."""
 
 
 @pytest.fixture
@@ -43,13 +51,38 @@ def run(hosts: TwoHosts, domain: int) -> Iterator[Callable[..., NodeProcess]]:
     env = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
     started: list[NodeProcess] = []
 
-    def _run(command: list[str]) -> NodeProcess:
-        started.append(NodeProcess(command, env))
+    def _run(command: list[str], **more: str) -> NodeProcess:
+        started.append(NodeProcess(command, env | more))
         return started[-1]
 
     yield _run
     for process in reversed(started):
         process.kill()
+
+
+@pytest.fixture
+def start_team(hosts: TwoHosts, run: Any, tmp_path: Path) -> Callable[..., Any]:
+    """Return a function that starts the team; it returns what the cameras of both hosts print.
+
+    Robots r1 and r3 are on one host, r2 on another; r3 runs no localizer.
+    """
+    place = write_landmarks(tmp_path)
+    words = ("--ros-args", "-p", f"team:=[{', '.join(TEAM)}]", "-p", f"landmarks:={place}")
+
+    def start(ahead_s: float, **more: str) -> tuple[NodeProcess, NodeProcess]:
+        clock = ("-p", "use_sim_time:=true", "-r", "/clock:=/r2/clock") if ahead_s else ()
+        nodes = [
+            run(hosts.command("a", *NODE, *words, "-r", "__ns:=/r1"), **more),
+            run(hosts.command("b", *NODE, *words, "-r", "__ns:=/r2", *clock), **more),
+        ]
+        cameras = (HERE / "team_cameras.py", "--team", *TEAM, "--ahead", str(ahead_s), "--names")
+        near = run(hosts.command("a", *cameras[:-2], "0.0", "--names", "r1", "r3"), **more)
+        far = run(hosts.command("b", *cameras, "r2"), **more)
+        for node in nodes:
+            node.wait_for("ready")
+        return near, far
+
+    return start
 
 
 def numbers(line: str) -> list[float]:
@@ -76,22 +109,13 @@ def has_all(line: str) -> bool:
     return places.shape == true.shape and bool(np.all(np.hypot(*(places - true).T) < NEAR_M))
 
 
-@pytest.mark.skipif(bool(NO_HOSTS), reason=f"NOT TESTED between separate hosts: {NO_HOSTS}")
+@needs_hosts
 def test_a_team_on_two_hosts_over_a_bad_line_with_a_clock_that_is_wrong(
-    hosts: TwoHosts, run: Any, tmp_path: Path
+    hosts: TwoHosts, run: Any, start_team: Any
 ) -> None:
-    """Robots r1 and r3 are on one host, r2 on another whose clock is 0.7 s ahead."""
-    place = write_landmarks(tmp_path)
-    words = ("--ros-args", "-p", f"team:=[{', '.join(TEAM)}]", "-p", f"landmarks:={place}")
-    run(hosts.link_command(*LINK)).wait_for("linked")
-    first = run(hosts.command("a", *NODE, *words, "-r", "__ns:=/r1"))
-    clock = ("-p", "use_sim_time:=true", "-r", "/clock:=/r2/clock")
-    second = run(hosts.command("b", *NODE, *words, "-r", "__ns:=/r2", *clock))
-    cameras = HERE / "team_cameras.py"
-    near = run(hosts.command("a", cameras, "r1", "r3", "--team", *TEAM))
-    far = run(hosts.command("b", cameras, "r2", "--team", *TEAM, "--ahead", str(AHEAD_S)))
-    for process in (first, second):
-        process.wait_for("ready")
+    """The clock of the second host is 0.7 s ahead."""
+    run(hosts.link_command(*BAD_LINE)).wait_for("linked")
+    near, far = start_team(AHEAD_S)
     wait_for(near, has_all, "poses of all three on the first host")
     line = wait_for(
         near, lambda text: text.startswith("says r2 located") and "error (s)=0" in text,
@@ -106,6 +130,20 @@ def test_a_team_on_two_hosts_over_a_bad_line_with_a_clock_that_is_wrong(
     assert math.hypot(pose[0] - POSES["r2"].x, pose[1] - POSES["r2"].y) < NEAR_M
 
 
+@needs_hosts
+@pytest.mark.skipif(SERVER is None, reason="NOT TESTED: no 'fast-discovery-server' is installed")
+def test_without_multicast_a_discovery_server_introduces_the_hosts(
+    hosts: TwoHosts, run: Any, start_team: Any
+) -> None:
+    run(hosts.link_command("--unicast")).wait_for("linked")
+    address = hosts.ADDRESSES["a"]
+    libraries = f"{BIN.parent / 'lib'}:{os.environ.get('LD_LIBRARY_PATH', '')}"
+    server = [str(SERVER), "-i", "0", "-l", address, "-p", "11811"]
+    run(hosts.join("a", server), LD_LIBRARY_PATH=libraries).wait_for("Server Addresses")
+    near, _ = start_team(0.0, ROS_DISCOVERY_SERVER=f"{address}:11811")
+    wait_for(near, has_all, "poses of all three on the first host")
+
+
 def test_the_cable_loses_delays_and_doubles_by_its_seed() -> None:
     def draw() -> list[list[float]]:
         rng = np.random.default_rng(3)
@@ -117,6 +155,11 @@ def test_the_cable_loses_delays_and_doubles_by_its_seed() -> None:
     assert np.mean(counts == 0) == pytest.approx(0.2, abs=0.03)
     assert np.mean(counts == 2) == pytest.approx(0.8 * 0.3, abs=0.03)
     assert np.mean([d for each in plans for d in each]) == pytest.approx(0.02, rel=0.1)
+
+
+def test_a_cable_without_multicast_still_carries_broadcasts() -> None:
+    group, everyone, one = (bytes.fromhex(to) for to in ("01005e7fff01", "ffffffffffff", "0a" * 6))
+    assert [is_multicast(to + bytes(40)) for to in (group, everyone, one)] == [True, False, False]
 
 
 def test_only_the_checksum_of_udp_is_taken_out() -> None:
