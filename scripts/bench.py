@@ -34,6 +34,7 @@ JOBS = {
     "glass_map": "all layers for publishing on a plan of 50 x 50 m",
     "simulation": "real-time factor by sensor set, and a frame beside the bare pybullet call",
     "floor": "from image to free space, beside bare OpenCV passes",
+    "floor_localization": "from the floor mask to the pose, beside the published steps",
     "avoidance": "from a scan to a command, beside the same in plain numpy",
     "team": "poses and identities of 4 to 50 robots, beside solvers told who is who",
     "messages": "images and grids to and from messages, and between processes",

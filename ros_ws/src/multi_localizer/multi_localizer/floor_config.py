@@ -35,10 +35,10 @@ class FloorFitConfig:
         gt=0.0,
     )  # fmt: skip
     max_hidden: float = param(
-        0.68, "No pose if more than this share of the directions shows no wall.", gt=0.0, lt=1.0
+        0.65, "No pose if more than this share of the directions shows no wall.", gt=0.0, lt=1.0
     )
     rival: float = param(
-        0.8, "A second pose that so much of the border fits as well is a candidate too.",
+        0.7, "A second pose that so much of the border fits as well is a candidate too.",
         gt=0.0, le=1.0,
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ or outside (pixels that are part wall), and every wall a little by itself. The p
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import cv2
@@ -20,7 +20,8 @@ import numpy as np
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.floor_config import FloorFitConfig
-from multi_localizer.floor_kernels import NUM_VALUES, anneal, residuals
+from multi_localizer.floor_doubts import PolishedFit, doubt
+from multi_localizer.floor_kernels import anneal
 from multi_localizer.floor_moments import polygon_moments
 from multi_localizer.floor_plan import FloorPlan
 from multi_localizer.floor_polish import polish
@@ -31,14 +32,12 @@ from multi_localizer.pose_estimate import PoseEstimate, difference, moved
 REACH = 1.02
 MIN_PIECES = 24
 MIN_BEHIND, BEHIND_PX = 4, 3.0
-MAX_OFFSET_SD = 4.0
 COARSE_PIECES = 160
 COARSE_STEPS, POLISH_STEPS = 20, 5
 SPREAD_PX = 1.0
 SURE_COST, GOOD_COST = 0.4, 0.6
 SAME_M, SAME_RAD = 0.1, 0.1
-MAX_BEYOND = 0.15
-MAX_SD_M, MAX_SD_RAD = 0.25, 0.2
+NOWHERE = np.empty(0, dtype=np.int64)
 _TURNS = (0.0, 0.5, -0.5)  # of a quarter
 
 
@@ -78,7 +77,7 @@ class FloorShapeFitter:
     ) -> None:
         self.camera, self.plan = camera, plan
         self.config = FloorFitConfig() if config is None else config
-        self._walls = np.column_stack(
+        self.walls = np.column_stack(
             (plan.corners, plan.tangents, plan.normals, plan.offsets, plan.lengths)
         )
         self._places, self._model = places_of(plan), polygon_moments(plan.corners)
@@ -103,38 +102,29 @@ class FloorShapeFitter:
         Raises:
             ValueError: The mask is not of the camera's size.
         """
-        border = self.scanner.scan(mask)
-        fit = self.fit_border(border, guess)
-        behind = self._behind(border, fit)
-        if len(behind) < MIN_BEHIND:
+        fit, behind = self._fit(self.scanner.scan(mask), guess)
+        if fit.problem or len(behind) < MIN_BEHIND:
             return fit
-        return self.fit_border(self.scanner.scan(mask, behind), fit.candidates[0])
-
-    def _behind(self, border: BorderRays, fit: FloorFit) -> np.ndarray:
-        """Return the paths on which there is floor behind the walls."""
-        if fit.problem:
-            return np.empty(0, dtype=np.int64)
-        pose = (fit.candidates[0].pose @ self._T_camera_base.inverse()).as_array()
-        rows = np.empty((len(border.values) + 1, NUM_VALUES))
-        num = residuals(border.values, 1, pose, self._walls, rows)
-        return border.index[rows[:num, 0] < fit.offset_px - BEHIND_PX]
+        return self._fit(self.scanner.scan(mask, behind), fit.candidates[0])[0]
 
     def fit_border(self, border: BorderRays, guess: PoseEstimate | None = None) -> FloorFit:
         """Return the poses that a border fits."""
+        return self._fit(border, guess)[0]
+
+    def _fit(self, border: BorderRays, guess: PoseEstimate | None) -> tuple[FloorFit, np.ndarray]:
+        """Return the fit, and the paths on which there is floor behind the walls."""
         if len(border.values) < MIN_PIECES:
-            return _none(f"only {len(border.values)} pixels of the floor's border are seen", 0, 1.0)
+            return _none(
+                f"only {len(border.values)} pixels of the floor's border are seen"
+            ), NOWHERE
         found = self._coarse(border, guess)
         fits = [self._polished(border, start, offset) for start, offset, cost in found
                 if 1.0 - cost >= self.config.rival * (1.0 - found[0][2])]  # fmt: skip
-        if fits[0].problem:
-            return fits[0]
-        good = [f for f in fits if not f.problem]
-        candidates = tuple(c for f in good for c in self._mates(f.candidates[0]))
-        first = good[0]
-        return FloorFit(
-            candidates, first.num_points, first.residual_px, first.hidden_share, "",
-            first.offset_px,
-        )  # fmt: skip
+        best, behind = fits[0]
+        if best.problem:
+            return best, behind
+        candidates = [c for f, _ in fits if not f.problem for c in self._mates(f.candidates[0])]
+        return replace(best, candidates=tuple(candidates)), behind
 
     def _coarse(
         self, border: BorderRays, guess: PoseEstimate | None
@@ -149,7 +139,7 @@ class FloorShapeFitter:
             self._add(found, border, step, start)
         if found and found[0][2] < GOOD_COST:
             return found
-        for start in search(border.values, self._walls, self._places):
+        for start in search(border.values, self.walls, self._places):
             self._add(found, border, step, start)
         return found
 
@@ -161,9 +151,7 @@ class FloorShapeFitter:
         start: np.ndarray,
     ) -> None:
         """Fit from a start and keep what is new."""
-        pose, offset, cost = anneal(
-            border.values, step, start, self._walls, SPREAD_PX, COARSE_STEPS
-        )
+        pose, offset, cost = anneal(border.values, step, start, self.walls, SPREAD_PX, COARSE_STEPS)
         if not np.isfinite(pose).all():
             return
         here = SE2(*pose)
@@ -197,48 +185,28 @@ class FloorShapeFitter:
                 starts.append(np.array((x, y, yaw)))
         return starts
 
-    def _polished(self, border: BorderRays, start: np.ndarray, offset: float) -> FloorFit:
-        """Return the fit of all of the border, with what speaks against it."""
+    def _polished(
+        self, border: BorderRays, start: np.ndarray, offset: float
+    ) -> tuple[FloorFit, np.ndarray]:
+        """Return the fit of all of the border, what speaks against it, and what is behind walls."""
         pose, cov, offset, sd, _, weights, rows = polish(
-            border.values, start, offset, self._walls, self._limits, POLISH_STEPS
+            border.values, start, offset, self.walls, self._limits, POLISH_STEPS
         )
         is_wall = weights > 0.0
         num = int(is_wall.sum())
         hidden = 1.0 - num / border.num_paths
         if num < MIN_PIECES or not np.isfinite(cov).all() or not np.isfinite(pose).all():
-            return _none("the border fits no pose on the plan", num, hidden)
+            return _none("the border fits no pose on the plan", num, hidden), NOWHERE
         off = rows[:, 0] - offset
         rms = float(np.sqrt(np.mean(off[is_wall] ** 2)))
         beyond = float(np.mean((rows[:, 4] >= 0) & (off < -self.config.gate_sd * sd)))
-        problem = self._problem(pose, cov, sd, hidden, beyond, float(offset))
+        found = PolishedFit(pose, cov, sd, float(offset), hidden, beyond)
+        problem = doubt(found, self.plan, self.config)
         if problem:
-            return _none(problem, num, hidden, rms)
+            return _none(problem, num, hidden, rms), NOWHERE
         estimate = moved(PoseEstimate(SE2(*pose), cov), self._T_camera_base)
-        return FloorFit((estimate,), num, rms, hidden, "", float(offset))
-
-    def _problem(
-        self,
-        pose: np.ndarray,
-        cov: np.ndarray,
-        sd: float,
-        hidden: float,
-        beyond: float,
-        offset: float,
-    ) -> str:
-        if not self.plan.contains(pose[0], pose[1]):
-            return "the border fits only outside of the plan"
-        if hidden > self.config.max_hidden:
-            return f"{hidden:.0%} of the directions show no wall of the plan"
-        if beyond > MAX_BEYOND:
-            return f"{beyond:.0%} of the border lies where the plan has no floor"
-        if abs(offset) > MAX_OFFSET_SD * max(self.config.offset_sd_px, self.config.border_sd_px):
-            return f"the border lies {offset:.1f} px inside the walls"
-        if sd >= self.config.max_sd_px:
-            return f"the border scatters by {sd:.1f} px about the walls"
-        x, y, yaw = np.sqrt(np.diag(cov))
-        if max(x, y) > MAX_SD_M or yaw > MAX_SD_RAD:
-            return f"the border does not determine the pose: {x:.2f} m, {y:.2f} m, {yaw:.2f} rad"
-        return ""
+        behind = border.index[off < -BEHIND_PX]
+        return FloorFit((estimate,), num, rms, hidden, "", float(offset)), behind
 
     def _mates(self, estimate: PoseEstimate) -> tuple[PoseEstimate, ...]:
         """Return all poses that the plan's symmetries make of one."""
@@ -256,5 +224,5 @@ def _is_same(a: SE2, b: SE2) -> bool:
     return math.hypot(x, y) < SAME_M and abs(wrap_angle(yaw)) < SAME_RAD
 
 
-def _none(problem: str, num: int, hidden: float, rms: float = math.nan) -> FloorFit:
+def _none(problem: str, num: int = 0, hidden: float = 1.0, rms: float = math.nan) -> FloorFit:
     return FloorFit((), num, rms, hidden, problem)
