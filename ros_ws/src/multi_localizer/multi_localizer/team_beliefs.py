@@ -53,7 +53,7 @@ def beliefs(
                 for c in range(counts[i, j]):
                     others = max(claims[candidates[i, j, c]] - odds[i, j, c], 0.0)
                     free[i, j, c] = 1.0 / (1.0 + others)
-        if np.max(np.abs(np.log1p(claims) - np.log1p(before))) < _SETTLED:
+        if _is_settled(claims, before):
             break
         before[:] = claims
     result = np.zeros((n, n, MAX_CANDIDATES))
@@ -62,6 +62,14 @@ def beliefs(
             for c in range(counts[i, j]):
                 result[i, j, c] = odds[i, j, c] / (1.0 + claims[candidates[i, j, c]])
     return result
+
+
+@numba.njit(cache=True)
+def _is_settled(claims: np.ndarray, before: np.ndarray) -> bool:
+    for k in range(len(claims)):
+        if abs(np.log1p(claims[k]) - np.log1p(before[k])) > _SETTLED:
+            return False
+    return True
 
 
 @numba.njit(cache=True)
