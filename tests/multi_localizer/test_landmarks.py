@@ -65,6 +65,7 @@ def test_several_of_a_class_are_kept_in_order(tmp_path: Path) -> None:
         ("a: {positions_m: [[1, .nan]]}", "finite"), ("a: {positions_m: [[1, yes]]}", "numbers"),
         ("a: {positions_m: [[1, 2], [1, 2]]}", "two landmarks at one place"),
         ("a: {positions_m: [[1, 2]], seen: left}", "no ends"), ("a: {positions_m: 3}", "a: "),
+        ("a: {positions_m: [[1, 2]]}\na: {positions_m: [[3, 2]]}", "'a' stands there twice"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_none_is_refused(tmp_path: Path, text: str, words: str) -> None:

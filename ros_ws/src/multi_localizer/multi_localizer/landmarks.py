@@ -31,6 +31,18 @@ _KEYS = ("positions_m", "outlines_m", "seen")
 Landmarks = Mapping[str, tuple["Landmark", ...]]
 
 
+class _OnceEach(yaml.SafeLoader):
+    """Refuses a key that stands twice; YAML would silently take the last."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        keys = [key.value for key, _ in node.value]
+        doubled = sorted({key for key in keys if keys.count(key) > 1})
+        if doubled:
+            raise yaml.YAMLError(f"{doubled[0]!r} stands there twice")
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep)
+        return mapping
+
+
 @dataclass(frozen=True)
 class Landmark:
     """One thing that is seen in a direction.
@@ -107,7 +119,7 @@ def load_landmarks(name_or_path: str | Path) -> dict[str, tuple[Landmark, ...]]:
     """
     path = find_file(str(name_or_path), "multi_localizer", "places")
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        data = yaml.load(path.read_text(encoding="utf-8"), _OnceEach)  # noqa: S506, a safe loader
     except (UnicodeDecodeError, yaml.YAMLError) as error:
         raise ValueError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
     if not isinstance(data, dict) or not data:

@@ -1,0 +1,127 @@
+"""Masks in, poses out: where the camera sits, sizes, and masks that are no field's."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from floornav_common.camera_files import load_camera_model
+from floornav_common.floor_camera import FloorCamera
+from floornav_common.se2 import SE2
+from multi_localizer.floor_fitter import FloorFit
+from multi_localizer.floor_localizer import FloorLocalizer
+from multi_localizer.floor_node_config import FloorPoseConfig
+from multi_localizer.floor_plan import load_plan
+from multi_localizer.floor_tracker import TrackState
+from multi_localizer.goal_evidence import GoalsSeen
+from multi_localizer.pose_estimate import PoseEstimate, difference
+
+CAMERA = load_camera_model("soccer_small_size")
+PLAN = load_plan("small_size_field")
+COV = np.diag([0.005, 0.005, 0.005]) ** 2
+BASE, MOUNT = SE2(0.4, -0.2, 0.7), SE2(0.05, 0.02, 0.3)
+TOL_M = 1e-9
+PIXELS = np.stack(np.meshgrid(np.arange(256.0), np.arange(220.0)), axis=-1)
+SEEN = CAMERA.floor_points(PIXELS)
+IS_FLOOR = np.isfinite(SEEN).all(axis=-1)
+
+
+@dataclass
+class FakeFitter:
+    """Answers with what it was told, and remembers what it was asked."""
+
+    camera: FloorCamera
+    answer: FloorFit
+    guesses: list[PoseEstimate | None] = field(default_factory=list)
+
+    def fit(self, mask: np.ndarray, guess: PoseEstimate | None = None) -> FloorFit:
+        self.guesses.append(guess)
+        return self.answer
+
+
+def fits(*poses: SE2, problem: str = "") -> FloorFit:
+    return FloorFit(tuple(PoseEstimate(p, COV) for p in poses), 100, 0.3, 0.1, problem)
+
+
+def with_fake(answer: FloorFit) -> tuple[FloorLocalizer, list[FakeFitter]]:
+    made: list[FakeFitter] = []
+
+    def make(camera, plan, config) -> FakeFitter:
+        made.append(FakeFitter(camera, answer))
+        return made[-1]
+
+    return FloorLocalizer(CAMERA, PLAN, FloorPoseConfig(), make), made
+
+
+def mask_where(is_inside: np.ndarray) -> np.ndarray:
+    return np.where(is_inside & IS_FLOOR, 255, 0).astype(np.uint8)
+
+
+def test_the_pose_is_that_of_base_link_wherever_the_camera_sits() -> None:
+    localizer, _ = with_fake(fits(BASE @ MOUNT))
+    localizer.take_mask(1, mask_where(IS_FLOOR), MOUNT, None)
+    assert difference(localizer.tracker.estimate.pose, BASE) == pytest.approx(0.0, abs=TOL_M)
+
+
+def test_the_fit_begins_where_the_motion_has_the_camera() -> None:
+    localizer, made = with_fake(fits(BASE @ MOUNT))
+    step, odometry = SE2(0.1, 0.0, 0.2), SE2(5.0, 2.0, -1.0)
+    localizer.take_mask(0, mask_where(IS_FLOOR), MOUNT, odometry)
+    localizer.take_mask(100_000_000, mask_where(IS_FLOOR), MOUNT, odometry @ step)
+    first, second = made[0].guesses
+    assert first is None
+    assert difference(second.pose, BASE @ step @ MOUNT) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_masks_of_another_size_are_those_of_the_resized_camera() -> None:
+    localizer, made = with_fake(fits(BASE))
+    localizer.take_mask(0, np.zeros((440, 512), np.uint8), MOUNT, None)
+    assert (made[0].camera.width_px, made[0].camera.height_px) == (512, 440)
+    assert made[0].camera.position_m == (0.0, 0.0)  # where it sits comes from TF
+    with pytest.raises(ValueError, match="to 15"):
+        localizer.take_mask(1, np.zeros((100, 500), np.uint8), MOUNT, None)
+
+
+def test_a_new_tuning_makes_a_new_fitter() -> None:
+    localizer, made = with_fake(fits(BASE))
+    localizer.take_mask(0, mask_where(IS_FLOOR), MOUNT, None)
+    localizer.reconfigure(FloorPoseConfig())
+    localizer.take_mask(1, mask_where(IS_FLOOR), MOUNT, None)
+    assert len(made) == 2
+
+
+def two_blobs() -> np.ndarray:
+    with np.errstate(invalid="ignore"):
+        return mask_where((np.abs(SEEN[..., 1]) > 0.3) & (np.abs(SEEN) < 0.6).all(axis=-1))
+
+
+def corridor() -> np.ndarray:
+    with np.errstate(invalid="ignore"):
+        return mask_where(np.abs(SEEN[..., 1]) < 0.4)
+
+
+@pytest.mark.parametrize(
+    "mask",
+    [np.zeros((220, 256), np.uint8), two_blobs(), corridor(), mask_where(IS_FLOOR)],
+    ids=["empty", "two blobs", "a corridor without ends", "floor as far as can be seen"],
+)
+def test_a_mask_that_is_not_of_the_field_gives_no_pose_but_a_reason(mask: np.ndarray) -> None:
+    """By the real fitter; goals that are seen make nothing out of it."""
+    localizer = FloorLocalizer(CAMERA, PLAN, FloorPoseConfig())
+    for k in range(5):
+        localizer.take_mask(k * 100_000_000, mask, SE2.identity(), SE2.identity())
+        seen = GoalsSeen("goal_blue", k * 100_000_000, np.array([0.3]), SE2.identity())
+        localizer.tracker.see_goals(seen)
+        assert localizer.tracker.estimate is None
+    assert localizer.tracker.state is TrackState.LOST and localizer.tracker.reason
+
+
+def test_noise_gives_no_pose() -> None:
+    rng = np.random.default_rng(0)
+    localizer = FloorLocalizer(CAMERA, PLAN, FloorPoseConfig())
+    mask = mask_where(rng.random(IS_FLOOR.shape) < 0.5)
+    localizer.take_mask(0, mask, SE2.identity(), None)
+    assert localizer.tracker.estimate is None and not math.isnan(localizer.newest.hidden_share)
