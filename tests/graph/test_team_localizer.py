@@ -18,12 +18,14 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
 from robot_messages import statuses
 from team_scene import POLES, POSES, TeamVoices, write_landmarks
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN
 from floornav_common.ros.messages import pose_to_se2
 from floornav_common.ros.qos import RELIABLE_QOS
 from floornav_common.se2 import SE2
+from floornav_common.transform3 import Transform3
 from multi_localizer.pose_estimate import normalized_error
 from multi_localizer.ros_conversions import estimate_from_msg
 
@@ -226,6 +228,32 @@ def test_bearings_of_nan_and_doubled_messages_are_counted_and_harmless(localizer
     counted = lambda: values_of(team.last("robot r2") or DiagnosticStatus())  # noqa: E731
     team.go_on(lambda: counted().get("void bearings") == "10" and counted().get("doubled") == "5")
     assert all(is_near(estimate_from_msg(msg).pose, "r1") for msg in own)
+
+
+def test_map_to_odom_comes_from_the_team_where_that_is_wanted(localizer, peer) -> None:
+    """The odometry began elsewhere, and turned."""
+    node = localizer("r1", "-p", "publish_tf:=true", "-p", "frame_prefix:=r1/")
+    sent = peer.collect(TFMessage, "/tf", 100)
+    team = Team(peer, node)
+    start = SE2(5.0, -3.0, 1.0)
+    T_map_odom = POSES["r1"] @ start.inverse()
+    found: list[SE2] = []
+
+    def is_sent() -> bool:
+        for k in range(3):
+            team.voices.say_odometry("r1", time.time_ns() + k, start)
+        found[:] = [
+            Transform3.from_parts((t.x, t.y, t.z), (q.x, q.y, q.z, q.w)).to_se2()
+            for msg in sent
+            for each in msg.transforms
+            if (each.header.frame_id, each.child_frame_id) == ("r1/map", "r1/odom")
+            for t, q in [(each.transform.translation, each.transform.rotation)]
+        ]
+        return len(found) >= 3
+
+    team.go_on(is_sent)
+    off = T_map_odom.between(found[-1])
+    assert off.distance < 6.0 * NEAR_RAD + NEAR_M and abs(off.yaw) < NEAR_RAD
 
 
 def test_two_robots_of_one_name_are_not_believed(localizer, peer, make_peer) -> None:

@@ -89,6 +89,7 @@ def test_a_robot_without_a_pose_begins_where_the_team_had_it() -> None:
     assert prepared.rough is not None and prepared.rough_from_landmarks
     moved = first.bases["c"].pose.between(prepared.rough.pose @ MOUNT.inverse())
     assert moved.distance == pytest.approx(0.08, abs=0.01)
+    assert prepared.rough.cov[0, 0] > 0.5**2  # else it would be counted again and again
     answers.forget()
     assert answers._prepared(type(view)(view.name, view.bearings), T).rough is None
 

@@ -21,6 +21,8 @@ _WORTH_SD = 0.1
 _ROUNDS = 3
 _NEAR_M = 2.0  # how far robots are apart at least, most of the time
 _LOOSEST_RAD = 0.3
+_NO_EVIDENCE = np.diag([0.5**2, 0.5**2, 0.3**2])
+"""Added to a pose of the answer before: where to search, not the same knowledge once more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +116,9 @@ class TeamAnswers:
         if last is None or view.name not in last.bases or robot.mount is None:
             return view
         base = robot.carried_base(last.bases[view.name], last.moment.stamp_ns, stamp_ns)
-        guess = None if base is None else moved(base, robot.mount)
+        if base is None:
+            return view
+        guess = moved(PoseEstimate(base.pose, base.cov + _NO_EVIDENCE), robot.mount)
         return replace(view, rough=guess, rough_from_landmarks=True)
 
     def _bases(self, solution: TeamSolution) -> dict[str, PoseEstimate]:

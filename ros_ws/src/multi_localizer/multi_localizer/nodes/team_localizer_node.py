@@ -84,6 +84,7 @@ class TeamLocalizerNode(FloornavNode):
         passed_ns = self.time.read_ns()
         moment = self._inbox.take_due(passed_ns)
         if moment is None:
+            self._outputs.look_at_tf()
             if not self._reports.is_fresh(passed_ns):
                 self._outputs.stop_tf()
             return

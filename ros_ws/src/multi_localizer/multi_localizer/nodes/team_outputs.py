@@ -54,6 +54,7 @@ class TeamOutputs:
         self._markers = create_publisher(node, MarkerArray, "team/markers", RELIABLE_QOS)
         self._objects = create_publisher(node, PoseArray, "objects", RELIABLE_QOS)
         self._tf = MapToOdom(node) if publish_tf and own else None
+        self._waiting: tuple[int, SE2] | None = None
         self._odometry = OdometryFallback(node) if self._tf is not None else None
 
     def publish(self, answer: TeamAnswer) -> None:
@@ -66,11 +67,27 @@ class TeamOutputs:
         self._markers.publish(team_markers(answer, self._own, stamp, frame))
         places = [SE2(*map(float, o.position), 0.0) for o in answer.solution.objects]
         self._objects.publish(poses_to_msg(places, stamp, frame))
-        if self._tf is not None:
-            self._tf.set(self._map_to_odom(answer))
+        own = answer.bases.get(self._own)
+        self._waiting = None if own is None else (answer.moment.stamp_ns, own.pose)
+        if own is None:
+            self.stop_tf()
+        self.look_at_tf()
+
+    def look_at_tf(self) -> None:
+        """Take map->odom from the newest pose, once the odometry has come as far."""
+        if self._tf is None or self._waiting is None:
+            return
+        frames, (stamp_ns, pose) = self._node.frames, self._waiting
+        try:
+            T_odom_base = self._node.transforms.buffer.lookup(frames.odom, frames.base, stamp_ns)
+        except (TransformUnavailable, ValueError):
+            return
+        self._waiting = None
+        self._tf.set(pose @ T_odom_base.to_se2().inverse())
 
     def stop_tf(self) -> None:
         """Send map->odom no more until the next answer."""
+        self._waiting = None
         if self._tf is not None:
             self._tf.set(None)
 
@@ -79,16 +96,6 @@ class TeamOutputs:
         msg = PoseArray(poses=[_pose_or_nan(answer, name) for name in self._team])
         msg.header.stamp, msg.header.frame_id = stamp, frame
         return msg
-
-    def _map_to_odom(self, answer: TeamAnswer) -> SE2 | None:
-        frames, buffer = self._node.frames, self._node.transforms.buffer
-        if self._own not in answer.bases:
-            return None
-        try:
-            T_odom_base = buffer.lookup(frames.odom, frames.base, answer.moment.stamp_ns)
-        except (TransformUnavailable, ValueError):
-            return None
-        return answer.bases[self._own].pose @ T_odom_base.to_se2().inverse()
 
 
 def _pose_or_nan(answer: TeamAnswer, name: str) -> Pose:
