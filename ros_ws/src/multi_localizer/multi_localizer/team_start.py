@@ -21,12 +21,13 @@ from multi_localizer.team_start_kernels import (
     WORST,
     cell_costs,
     cost_of,
-    normal_equations,
+    refined,
 )
 
 _NUM_YAWS = 36
 _NUM_REFINED = 24
 _MAX_CLUES = 60
+_MAX_GRID_CLUES = 24
 _SAME_M = 0.3
 _SAME_RAD = 0.2
 _MAX_YAW_SD = 0.2
@@ -130,13 +131,25 @@ def _arrays(clues: Sequence[Clue], now: Driven, config: TeamFilterConfig) -> _Da
     return np.array(rows), np.concatenate([clue.points for clue in kept]), ends
 
 
+def _thinned(data: _Data, num_clues: int) -> _Data:
+    """Return at most so many of the clues, evenly spread."""
+    clues, points, ends = data
+    kept = np.unique(np.linspace(0, len(clues) - 1, num_clues).astype(int))
+    parts = np.split(points, ends[:-1])
+    return (
+        clues[kept],
+        np.concatenate([parts[k] for k in kept]),
+        np.diff(ends, prepend=0)[kept].cumsum(),
+    )
+
+
 def _best_cells(data: _Data, middle: np.ndarray, config: TeamFilterConfig) -> list[np.ndarray]:
     """Return the best cells of the grid, apart from each other, shape (NUM_UNKNOWNS,) each."""
     low = middle.min(axis=0) - config.start_margin_m
     high = middle.max(axis=0) + config.start_margin_m
     xs, ys = (np.arange(low[k], high[k] + config.start_step_m, config.start_step_m) for k in (0, 1))
     yaws = np.linspace(-np.pi, np.pi, _NUM_YAWS, endpoint=False)
-    costs = cell_costs(xs, ys, yaws, *data)
+    costs = cell_costs(xs, ys, yaws, *_thinned(data, _MAX_GRID_CLUES))
     order = np.argsort(costs, axis=None)[: 40 * _NUM_REFINED]
     cells: list[np.ndarray] = []
     taken = np.zeros(costs.shape, dtype=bool)
@@ -154,16 +167,7 @@ def _refined(
     cell: np.ndarray, data: _Data, prior: np.ndarray
 ) -> tuple[float, np.ndarray, np.ndarray] | None:
     """Return cost, place and covariance of the least squares' answer; None where it has none."""
-    place = cell
-    for _ in range(15):
-        information, slope = normal_equations(place, *data, prior)
-        damped = information + 1e-6 * np.eye(NUM_UNKNOWNS) + 1e-3 * np.diag(np.diag(information))
-        step = np.linalg.solve(damped, slope)
-        step *= min(1.0, 1.0 / max(float(np.hypot(step[0], step[1])), 1e-9))
-        place = place + step
-        if np.abs(step).max() < 1e-4:
-            break
-    information, _ = normal_equations(place, *data, prior)
+    place, information = refined(cell, *data, prior)
     if np.linalg.cond(information[:3, :3]) > 1e10 or not np.all(np.isfinite(place)):
         return None
     cov = np.linalg.inv(information)

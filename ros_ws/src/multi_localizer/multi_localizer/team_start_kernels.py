@@ -130,3 +130,33 @@ def normal_equations(
         information += weight * np.outer(row, row)
         slope -= weight * row * off
     return information, slope
+
+
+@njit(cache=True)
+def refined(
+    place: np.ndarray,
+    clues: np.ndarray,
+    points: np.ndarray,
+    ends: np.ndarray,
+    prior: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least squares' answer from a first place, and its information matrix.
+
+    Args:
+        place: The unknowns, shape (NUM_UNKNOWNS,).
+        clues: Shape (C, 8).
+        points: Shape (P, 2).
+        ends: One behind each clue's last point, shape (C,).
+        prior: Information on each unknown being 0, shape (NUM_UNKNOWNS,).
+    """
+    for _ in range(15):
+        information, slope = normal_equations(place, clues, points, ends, prior)
+        for k in range(NUM_UNKNOWNS):
+            information[k, k] = 1.001 * information[k, k] + 1e-6
+        step = np.linalg.solve(information, slope)
+        step *= min(1.0, 1.0 / max(np.hypot(step[0], step[1]), 1e-9))
+        place = place + step
+        if np.abs(step).max() < 1e-4:
+            break
+    information, _ = normal_equations(place, clues, points, ends, prior)
+    return place, information
