@@ -55,10 +55,11 @@ def _update_case(name: str, mapper: LayeredMapper, log: GlassLog) -> Case:
     """Return the time of a whole update while layers are made all the time, and without."""
     alone, _ = _updates(mapper, log, 2 * 10**14, makes_layers=False)
     ms, num = _updates(mapper, log, 3 * 10**14, makes_layers=True)
-    median, p99 = median_and_p99(ms)
-    peer, peer_p99 = median_and_p99(alone)
+    median, p99 = median_and_p99(ms[:, 0])
+    peer, peer_p99 = median_and_p99(alone[:, 0])
     extra = {
-        "alone_p99_ms": peer_p99, "layers_made": num, "longest_ms": float(ms.max()),
+        "computed_p99_ms": median_and_p99(ms[:, 1])[1], "alone_p99_ms": peer_p99,
+        "layers_made": num, "longest_ms": float(ms[:, 0].max()),
         "limit_p99_ms": LIMIT_P99_MS, "reached": "yes" if p99 < LIMIT_P99_MS else "no",
     }  # fmt: skip
     return Case(name, median, p99, "no layers made", peer, None, extra)
@@ -67,23 +68,30 @@ def _update_case(name: str, mapper: LayeredMapper, log: GlassLog) -> Case:
 def _updates(
     mapper: LayeredMapper, log: GlassLog, offset_ns: int, *, makes_layers: bool
 ) -> tuple[np.ndarray, int]:
-    """Return ms of each scan with its match and the readings since, and how often layers were."""
+    """Return ms of each scan with its match and the readings since, and how often layers were.
+
+    Columns: by the clock, and of them those that this thread computed, shape (N, 2).
+    """
     mapper.break_motion()
     mapper.relocate(log.start)
-    times, spent, num, making = [], 0.0, 0, None
+    times, spent, num, making = [], np.zeros(2), 0, None
     with ThreadPoolExecutor(1) as pool:
         for event, _ in log.events():
-            started, stamp_ns = time.perf_counter(), event.stamp_ns + offset_ns
+            started, stamp_ns = _clocks(), event.stamp_ns + offset_ns
             if not isinstance(event, ScanEvent):
                 mapper.insert_range(stamp_ns, event.reading, event.T_base_sonar, event.frame)
-                spent += time.perf_counter() - started
+                spent += _clocks() - started
                 continue
             mapper.insert_scan(stamp_ns, event.scan, event.T_base_laser, event.T_odom_base)
             if makes_layers and (making is None or making.done()):
                 making, num = _begin(pool, mapper, making), num + 1
-            times.append(1e3 * (spent + time.perf_counter() - started))
-            spent = 0.0
+            times.append(1e3 * (spent + _clocks() - started))
+            spent = np.zeros(2)
     return np.array(times[_WARM_UP:]), num
+
+
+def _clocks() -> np.ndarray:
+    return np.array((time.perf_counter(), time.thread_time()))
 
 
 def _begin(

@@ -10,7 +10,7 @@ import numpy as np
 
 from floornav_common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.echo_judging import judge
+from grid_mapper.echo_judging import judge_aside
 from grid_mapper.opaque_cells import OpaqueCells
 from grid_mapper.pane_lines import PaneLine, find_lines
 from grid_mapper.pane_stretches import stretches
@@ -68,7 +68,7 @@ class BayesMoment:
 
     def _find(self) -> tuple[np.ndarray, np.ndarray]:
         config, views = self._config.bayes, self._views
-        judge(
+        judge_aside(
             views, self._fresh, self._firsts, config.explained_m, config.range_tolerance_m,
             config.range_tolerance_share, self._opaque.cells,
         )  # fmt: skip

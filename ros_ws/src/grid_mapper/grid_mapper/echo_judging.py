@@ -112,7 +112,7 @@ def _vote(scores, me, you, tolerance):  # type: ignore[no-untyped-def]
             scores[k] += you.weight * (1.0 - (error / tolerance) ** 2)
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True)
 def judge(views, rows, firsts, explained, tolerance, share, cells):  # type: ignore[no-untyped-def]
     """Judge views anew, in place: their open rays, best normal and its score.
 
@@ -134,3 +134,11 @@ def judge(views, rows, firsts, explained, tolerance, share, cells):  # type: ign
             views[i].score = 0.0
             continue
         views[i].theta, views[i].score = best_normal(views, i, firsts[n], tolerance, share)
+
+
+@numba.njit(cache=True, nogil=True)
+def judge_aside(  # type: ignore[no-untyped-def]
+    views, rows, firsts, explained, tolerance, share, cells
+):
+    """Do as `judge` and let other threads run meanwhile, which costs a turn each time."""
+    judge(views, rows, firsts, explained, tolerance, share, cells)

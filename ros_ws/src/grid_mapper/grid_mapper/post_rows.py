@@ -36,16 +36,14 @@ def post_rows(
     if len(posts) < 3:
         return []
     tree = cKDTree(posts)
-    rows = []
-    for i, j in tree.query_pairs(max_bay):
-        for a, b in ((i, j), (j, i)):
-            step = posts[b] - posts[a]
-            if np.hypot(*step) < MIN_BAY_M or tree.query(posts[a] - step)[0] <= SAME_M:
-                continue  # it starts before
-            row = _row_from(posts, tree, a, b)
-            if len(row) >= 3 and row[0] < row[-1]:
-                rows.append(_line_of(posts[row]))
-    return rows
+    pairs = tree.query_pairs(max_bay, output_type="ndarray")
+    pairs = np.vstack((pairs, pairs[:, ::-1]))
+    steps = posts[pairs[:, 1]] - posts[pairs[:, 0]]
+    is_start = tree.query(posts[pairs[:, 0]] - steps)[0] > SAME_M
+    goes_on = tree.query(posts[pairs[:, 1]] + steps)[0] <= SAME_M
+    is_bay = np.hypot(*steps.T) >= MIN_BAY_M
+    rows = [_row_from(posts, tree, a, b) for a, b in pairs[is_start & goes_on & is_bay].tolist()]
+    return [_line_of(posts[row]) for row in sorted(rows) if len(row) >= 3 and row[0] < row[-1]]
 
 
 def _posts(log_odds: np.ndarray, resolution: float) -> np.ndarray:
