@@ -204,14 +204,16 @@ class FloorShapeFitter:
         problem = doubt(found, self.plan, self.config)
         if problem:
             return _none(problem, num, hidden, rms), NOWHERE
-        estimate = moved(PoseEstimate(SE2(*pose), cov), self._T_camera_base)
+        estimate = PoseEstimate(SE2(*pose), cov)
+        if self._T_camera_base.distance > 0.0:
+            estimate = moved(estimate, self._T_camera_base)
         behind = border.index[off < -BEHIND_PX]
         return FloorFit((estimate,), num, rms, hidden, "", float(offset)), behind
 
     def _mates(self, estimate: PoseEstimate) -> tuple[PoseEstimate, ...]:
         """Return all poses that the plan's symmetries make of one."""
-        mates = []
-        for s in self.plan.symmetries:
+        mates = [estimate]
+        for s in self.plan.symmetries[1:]:
             R = np.eye(3)
             c, t = math.cos(s.yaw), math.sin(s.yaw)
             R[:2, :2] = (c, -t), (t, c)

@@ -182,4 +182,6 @@ def _depressions(camera: FloorCamera, reach_m: float, bearings: np.ndarray) -> n
     coarse = np.linspace(far, near, 200)
     path = _along(camera, bearings, camera.height_m * np.tan(coarse))
     steps = np.linalg.norm(np.diff(path, axis=1), axis=-1)
-    return np.linspace(far, near, int(200 * np.nanmax(steps) / _STEP_PX) + 2)
+    most = np.where(np.isfinite(steps), steps, 0.0).max(axis=0)
+    length = np.concatenate(([0.0], np.cumsum(np.maximum(most, 1e-3))))
+    return np.interp(np.arange(0.0, length[-1], _STEP_PX), length, coarse)
