@@ -183,8 +183,9 @@ def _who(track: Track, triangles: Triangles) -> str:
         f"rightly, {track.num_wrong / total:.2%} wrongly and leaves the rest open. The published "
         f"step, once a second on the bearings of the last second, found a triangle at "
         f"{triangles.num_found} of {triangles.num_instants} instants, every robot of it rightly "
-        f"named at {triangles.num_right}; three robots truly saw each other at "
-        f"{triangles.num_mutual}: the cameras see 34 degrees to each side."
+        f"named at {triangles.num_right}. Two robots truly saw each other at "
+        f"{triangles.num_pairs}, three at {triangles.num_mutual}: the cameras "
+        f"see 34 degrees to each side."
     )
 
 

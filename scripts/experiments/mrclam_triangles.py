@@ -28,12 +28,14 @@ class Triangles:
 
     Attributes:
         num_instants: All.
-        num_mutual: Those at which three robots truly had each other among their bearings.
+        num_pairs: Those at which two robots had each other among their bearings.
+        num_mutual: Those at which three did, each both others.
         num_found: Those at which the published step found a triangle.
         num_right: Those whose every bearing it gave to the right robot.
     """
 
     num_instants: int
+    num_pairs: int
     num_mutual: int
     num_found: int
     num_right: int
@@ -53,7 +55,7 @@ def count_triangles(recording: TeamRecording, alone: Track, delay: float) -> Tri
     at_look = {
         k: log.dead_reckoned(log.looks[:, 0], delay)[:, 2] for k, log in recording.robots.items()
     }
-    num_mutual = num_found = num_right = 0
+    num_pairs = num_mutual = num_found = num_right = 0
     for row in rows:
         views, truly = [], {}
         for column, k in enumerate(recording.robots):
@@ -65,12 +67,14 @@ def count_triangles(recording: TeamRecording, alone: Track, delay: float) -> Tri
             bearings = looks[list(newest.values()), 2] - turned
             views.append(RobotView(str(k), bearings, rough=_rough(alone, row, column)))
             truly[str(k)] = [str(subject) for subject in newest]
-        num_mutual += _has_triangle({k: set(seen) for k, seen in truly.items()})
+        mutual = _mutual({k: set(seen) for k, seen in truly.items()})
+        num_pairs += bool(mutual)
+        num_mutual += any((a, b) in mutual and (b, c) in mutual for a, c in mutual for b in truly)
         solution = solve_published(views, {})
         if solution.num_triangles:
             num_found += 1
             num_right += _is_right(solution, truly)
-    return Triangles(len(rows), num_mutual, num_found, num_right)
+    return Triangles(len(rows), num_pairs, num_mutual, num_found, num_right)
 
 
 def _rough(alone: Track, row: int, column: int) -> PoseEstimate | None:
@@ -80,13 +84,9 @@ def _rough(alone: Track, row: int, column: int) -> PoseEstimate | None:
     return PoseEstimate(SE2(*(float(value) for value in pose)), alone.covs[row, column])
 
 
-def _has_triangle(seen: dict[str, set[str]]) -> bool:
-    names = sorted(seen)
-    mutual = {(a, b) for a in names for b in seen[a] if b in seen and a in seen[b]}
-    return any(
-        (a, b) in mutual and (b, c) in mutual and (a, c) in mutual
-        for a in names for b in names for c in names
-    )  # fmt: skip
+def _mutual(seen: dict[str, set[str]]) -> set[tuple[str, str]]:
+    """Return the pairs that see each other, each both ways round."""
+    return {(a, b) for a in seen for b in seen[a] if b in seen and a in seen[b]}
 
 
 def _is_right(solution: TeamSolution, truly: dict[str, list[str]]) -> bool:

@@ -14,10 +14,9 @@ BARCODES = {subject: 100 - subject for subject in (1, 2, 3, 4, 5, *LANDMARKS)}
 STARTS = {1: (1.5, 0.0, 1.5), 2: (-1.2, 1.0, -2.4), 3: (0.3, -1.8, 0.4)}
 SPEED, YAW_RATE, DELAY_S, DT_S = 0.15, 0.1, 0.28, 0.05
 FIRST_S = 1_000_000_000.0
-HALF_VIEW_RAD = 0.9
 
 
-def write_recording(folder: Path, duration: float, seed: int = 0) -> Path:
+def write_recording(folder: Path, duration: float, seed: int = 0, half_view: float = 0.9) -> Path:
     """Write the files of robots 1 to 3 and return the folder; ranges are rubbish on purpose."""
     rng = np.random.default_rng(seed)
     folder.mkdir(parents=True, exist_ok=True)
@@ -39,7 +38,7 @@ def write_recording(folder: Path, duration: float, seed: int = 0) -> Path:
         looks = [
             f"{stamps[k]:.3f} {BARCODES[subject]} {rng.uniform(1, 9):.3f} {bearing:.4f}"
             for k in range(0, len(times), 5)
-            for subject, bearing in _seen(robot, k, paths, rng)
+            for subject, bearing in _seen(robot, k, paths, half_view, rng)
         ]
         _write(folder, f"Robot{robot}_Measurement", [*looks, f"{stamps[-1]:.3f} 7777 1.0 0.0"])
     return folder
@@ -53,13 +52,15 @@ def _path(start: tuple[float, float, float], times: np.ndarray) -> np.ndarray:
     return np.stack([x, y, yaw], axis=1)
 
 
-def _seen(robot: int, k: int, paths: dict[int, np.ndarray], rng) -> list[tuple[int, float]]:
+def _seen(
+    robot: int, k: int, paths: dict[int, np.ndarray], half_view: float, rng: np.random.Generator
+) -> list[tuple[int, float]]:
     x, y, yaw = paths[robot][k]
     others = {other: path[k, :2] for other, path in paths.items() if other != robot}
     found = []
     for subject, (px, py) in {**LANDMARKS, **others}.items():
         bearing = (np.arctan2(py - y, px - x) - yaw + np.pi) % (2.0 * np.pi) - np.pi
-        if abs(bearing) < HALF_VIEW_RAD:
+        if abs(bearing) < half_view:
             found.append((subject, float(bearing + 0.005 * rng.normal())))
     return found
 

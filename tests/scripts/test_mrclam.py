@@ -18,6 +18,7 @@ from mrclam_files import DELAY_S, SPEED, write_recording
 from experiments.mrclam_measures import errors_of
 from experiments.mrclam_recording import RobotLog, TeamRecording, load_recording
 from experiments.mrclam_runs import Track, dead_reckoning, run_filter
+from experiments.mrclam_triangles import count_triangles
 from floornav_common.reporting import UserError
 
 EVALUATE = Path(__file__).resolve().parents[2] / "scripts" / "evaluate.py"
@@ -101,6 +102,16 @@ def test_dead_reckoning_goes_on_from_the_first_pose(tmp_path: Path) -> None:
     assert odometry.poses[first, 0] == pytest.approx(track.poses[first, 0])
     steps = np.hypot(*np.diff(odometry.poses[first:-5, 0, :2], axis=0).T)
     assert steps == pytest.approx(np.full(len(steps), 0.2 * SPEED), rel=0.01)
+
+
+def test_the_published_step_finds_triangles_where_cameras_see_all_round(tmp_path: Path) -> None:
+    recording = load_recording(write_recording(tmp_path, 36.0, half_view=np.pi), THREE)
+    alone = run_filter(recording, "alone")
+    triangles = count_triangles(recording, alone, DELAY_S)
+    assert triangles.num_instants >= 5
+    assert triangles.num_pairs == triangles.num_mutual == triangles.num_instants
+    assert triangles.num_found >= triangles.num_instants - 1
+    assert triangles.num_right == triangles.num_found
 
 
 def test_a_made_recording_whole(tmp_path: Path) -> None:
