@@ -17,9 +17,9 @@ from multi_localizer.team_choice import best_owners, choose
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit, fit_poses
 from multi_localizer.team_hiding import visibility
-from multi_localizer.team_marks import nearest_marks
 from multi_localizer.team_pairs import pair_likelihoods
 from multi_localizer.team_problem import TeamProblem
+from multi_localizer.team_single import find_marks, first_marks, place_alone
 from multi_localizer.team_state import PLAIN, Identification
 from multi_localizer.team_trust import contradicted_priors
 from multi_localizer.team_yaws import settle_yaws
@@ -38,12 +38,12 @@ def identify(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig)
         config: Tuning.
     """
     none = np.full(len(problem.bearings), -1, dtype=np.int64)
-    marks = find_marks(problem, _prior_fit(problem, prior_weight), config)
-    alone = fit_poses(problem, problem.prior, none, marks, prior_weight, PLAIN)
+    marks = first_marks(problem, prior_weight, config)
+    alone = place_alone(problem, marks, prior_weight)
     wrong = contradicted_priors(problem, alone, marks)
     if wrong.any():
         prior_weight = np.where(wrong, 0.0, prior_weight)
-        alone = fit_poses(problem, problem.prior, none, marks, prior_weight, PLAIN)
+        alone = place_alone(problem, marks, prior_weight)
     x, cov = settle_yaws(
         alone.poses, alone.cov, problem.start, problem.bearings, problem.var,
         config.loose_yaw_rad, config.far_sd_m,
@@ -77,14 +77,6 @@ def refine(
     return state
 
 
-def find_marks(problem: TeamProblem, fit: TeamFit, config: TeamConfig) -> np.ndarray:
-    """Return the landmark of each bearing to one, (K,); -1 for none."""
-    return nearest_marks(
-        fit.poses, fit.cov, problem.mark_robot, problem.mark_kind, problem.mark_bearing,
-        problem.mark_var, problem.marks, problem.kind_start, config.gate_sd,
-    )  # fmt: skip
-
-
 def _believe(problem: TeamProblem, state: Identification, config: TeamConfig) -> Identification:
     visible = visibility(state.fit.poses, state.fit.cov, config.body_radius_m, config.least_visible)
     candidates, counts, likelihoods = pair_likelihoods(
@@ -95,9 +87,3 @@ def _believe(problem: TeamProblem, state: Identification, config: TeamConfig) ->
     sure = beliefs(candidates, counts, likelihoods, len(problem.bearings), config.num_messages)
     owner, belief = best_owners(candidates, counts, sure, len(problem.bearings))
     return replace(state, owner=owner, belief=belief)
-
-
-def _prior_fit(problem: TeamProblem, prior_weight: np.ndarray) -> TeamFit:
-    none = np.full(len(problem.bearings), -1, dtype=np.int64)
-    no_mark = np.full(len(problem.mark_robot), -1, dtype=np.int64)
-    return fit_poses(problem, problem.prior, none, no_mark, prior_weight, PLAIN)

@@ -25,6 +25,7 @@ _BETTER_ANYWHERE = 6.0
 _BLUR = 0.04  # m
 _LEAST_PLACED = 2
 _LITTLE = 0.5  # share of its bearings: a robot that explains less may be anywhere
+_SURE = 0.8
 _MOST_PRIOR = 8.0
 _PLACED_SD = 0.6  # m; robots known worse help nobody
 _WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where the robot is: it was wrong
@@ -54,7 +55,7 @@ def relocate_lost(
         num_moved: How many.
     """
     x, cov = found.fit.poses.copy(), found.fit.cov.copy()
-    owner = np.where(found.belief > 0.8, found.owner, -1)
+    owner = _returned(problem, found)
     seen, weight, num_moved = found.seen.copy(), found.prior_weight.copy(), 0
     owners = np.repeat(np.arange(problem.num_robots), np.diff(problem.start))
     is_lost = np.zeros(problem.num_robots, dtype=np.bool_)
@@ -80,6 +81,20 @@ def relocate_lost(
             weight[u] = 0.0
     fit = TeamFit(x, cov, found.fit.cost)
     return replace(found, fit=fit, seen=seen, prior_weight=weight), num_moved
+
+
+def _returned(problem: TeamProblem, found: Identification) -> np.ndarray:
+    """Return the owners of bearings that are sure and that the owner returns, (M,); -1 else."""
+    n = problem.num_robots
+    owners = np.repeat(np.arange(n), np.diff(problem.start))
+    is_sure = (found.belief > _SURE) & (found.owner >= 0)
+    sees = np.zeros((n, n), dtype=np.bool_)
+    sees[owners[is_sure], found.owner[is_sure]] = True
+    result = np.full(len(owners), -1, dtype=np.int64)
+    result[is_sure] = np.where(
+        sees[found.owner[is_sure], owners[is_sure]], found.owner[is_sure], -1
+    )
+    return result
 
 
 def _placed(cov: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from multi_localizer.team_objects import locate_objects
 from multi_localizer.team_observability import unknown_poses, words
 from multi_localizer.team_problem import TeamProblem, make_problem
 from multi_localizer.team_settle import settle
+from multi_localizer.team_single import without_touched_marks
 from multi_localizer.team_state import Identification
 from multi_localizer.team_trust import liars, trust, without
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
@@ -37,7 +38,7 @@ def solve_team(
     problem_text = view_problem(views)
     if problem_text:
         return TeamSolution(names, problem=problem_text)
-    problem = make_problem(views, landmarks, config)
+    problem = without_touched_marks(make_problem(views, landmarks, config), config)
     found, suspects, notes = _believed(problem, settle(problem, config), config)
     fit = _final_fit(problem, found, config)
     solution = _solution(problem, views, found, fit, config)

@@ -1,0 +1,74 @@
+"""Each robot by itself: from its rough pose and the landmarks it sees.
+
+Close to a landmark a bearing to it is right at the one place or the other a few centimeters away:
+the likelihood grows without bound towards the landmark, and a fit that gets there stays, sure of
+itself. No robot's middle can be there. A landmark at which a robot by itself ends is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_fit import TeamFit, fit_poses
+from multi_localizer.team_marks import nearest_marks
+from multi_localizer.team_problem import TeamProblem
+from multi_localizer.team_state import PLAIN
+
+_TOUCHING = 0.05  # m beyond the robot's radius
+
+
+def place_alone(problem: TeamProblem, mark_seen: np.ndarray, prior_weight: np.ndarray) -> TeamFit:
+    """Return every robot's pose without the others.
+
+    Args:
+        problem: The views.
+        mark_seen: Landmark of each bearing to one, (K,); -1 for none.
+        prior_weight: What each rough pose counts, (N,).
+    """
+    none = np.full(len(problem.bearings), -1, dtype=np.int64)
+    return fit_poses(problem, problem.prior, none, mark_seen, prior_weight, PLAIN)
+
+
+def find_marks(problem: TeamProblem, fit: TeamFit, config: TeamConfig) -> np.ndarray:
+    """Return the landmark of each bearing to one, (K,); -1 for none."""
+    return nearest_marks(
+        fit.poses, fit.cov, problem.mark_robot, problem.mark_kind, problem.mark_bearing,
+        problem.mark_var, problem.marks, problem.kind_start, config.gate_sd,
+    )  # fmt: skip
+
+
+def first_marks(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig) -> np.ndarray:
+    """Return the landmark of each bearing to one as the rough poses say, (K,); -1 for none."""
+    no_mark = np.full(len(problem.mark_robot), -1, dtype=np.int64)
+    return find_marks(problem, place_alone(problem, no_mark, prior_weight), config)
+
+
+def without_touched_marks(problem: TeamProblem, config: TeamConfig) -> TeamProblem:
+    """Return the problem without landmarks at which robots end by themselves."""
+    weight = problem.has_prior.astype(float)
+    mark_seen = first_marks(problem, weight, config)
+    poses = place_alone(problem, mark_seen, weight).poses
+    arm = problem.marks[mark_seen] - poses[problem.mark_robot, :2] if len(mark_seen) else None
+    if arm is None:
+        return problem
+    near = (mark_seen >= 0) & (np.hypot(*arm.T) < config.body_radius_m + _TOUCHING)
+    near &= problem.has_prior[problem.mark_robot]
+    if not near.any():
+        return problem
+    notes = [
+        f"{problem.names[problem.mark_robot[k]]}: too close to {problem.kinds[kind]} to use it"
+        for k, kind in enumerate(problem.mark_kind)
+        if near[k]
+    ]
+    return replace(
+        problem,
+        mark_robot=problem.mark_robot[~near],
+        mark_kind=problem.mark_kind[~near],
+        mark_source=problem.mark_source[~near],
+        mark_bearing=problem.mark_bearing[~near],
+        mark_var=problem.mark_var[~near],
+        notes=(*problem.notes, *notes),
+    )
