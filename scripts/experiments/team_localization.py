@@ -16,7 +16,7 @@ from typing import Any
 
 from experiments.team_paper_cases import NOISES_DEG, fits_best, paper_case
 from experiments.team_report import sections
-from experiments.team_rows import MANY_ROBOTS, ROWS, judged, num_layouts
+from experiments.team_rows import ROWS, judged, num_layouts
 from experiments.team_things import SIZES, judged_things
 from experiments.team_triangles import every_triangle
 from floornav_common.reporting import Progress, Section, UserError
@@ -29,7 +29,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
         "--layouts", type=int, default=NUM_LAYOUTS, metavar="N",
-        help=f"layouts of each row, fewer of teams over {MANY_ROBOTS} (default: {NUM_LAYOUTS})",
+        help=f"layouts of the main rows; fewer of large teams (default: {NUM_LAYOUTS})",
     )  # fmt: skip
 
 
