@@ -110,13 +110,13 @@ def run_lengths(job: Job, turn_rad: float) -> dict[str, Any]:
     turn = SE2(0.0, 0.0, turn_rad)
     track = localized(log, turn @ log.start)
     rules = {"overlay": overlays_of(is_paper_world=True)["overlay"]}
-    rows = {name: _turned_back(row, turn) for name, row in compared_rows(log, rules, track).items()}
+    rows = {name: turned_back(row, turn) for name, row in compared_rows(log, rules, track).items()}
     tables = _tables(job.world, log, rows)
     extra = {"seed": job.seed, "turn_rad": turn_rad}
     return {"world": job.world, "lengths": [{**entry, **extra} for entry in tables]}
 
 
-def _turned_back(row: Mapped, turn: SE2) -> Mapped:
+def turned_back(row: Mapped, turn: SE2) -> Mapped:
     """Return a row in the world's frame."""
     maps = [row.occupancy, row.glass]
     back = [m and OccupancyMap(m.cells, m.resolution, turn.inverse() @ m.origin) for m in maps]

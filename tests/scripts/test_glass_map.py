@@ -8,11 +8,23 @@ import pytest
 
 pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
 
-from experiments.glass_floors import Job, run_job
+from experiments.glass_floors import Job, run_job, turned_back
 from experiments.glass_logs import GlassLog, drive, load_log
 from experiments.glass_map import path_sums, reached, spreads
-from experiments.glass_methods import NAMES, localized, mapped, overlays_of, true_track
+from experiments.glass_measures import measured
+from experiments.glass_methods import (
+    NAMES,
+    compared_rows,
+    localized,
+    mapped,
+    overlays_of,
+    true_track,
+)
+from experiments.glass_paths import INFLATION_M, pairs_behind_glass
+from experiments.glass_truth import truth_of
+from floornav_common.se2 import SE2
 from grid_mapper.recordings.events import ScanEvent
+from sim_bridge.measures import Measure
 
 ROOM = """
 name: room
@@ -110,6 +122,31 @@ def test_every_row_is_judged_and_sonar_brings_the_glass(room: Path, log: GlassLo
     assert sums["laser"]["pairs"] == 6
     values = {"tables": [], "methods": spreads([result], "icp"), "paths": sums}
     assert reached(values)["lengths"] is None
+
+
+def test_lengths_are_those_of_the_truth_on_turned_cells_too(room: Path, log: GlassLog) -> None:
+    """From both lattices the wall behind the robot and the glass are as far apart as they are."""
+    measure = Measure(name="a", from_m=(2.0, 0.0), to_m=(2.0, 2.396))
+    solids = [s for s in log.solids() if s.is_at_height(float(log.laser_height))]
+    rules = {"overlay": overlays_of(is_paper_world=True)["overlay"]}
+    for turn in (SE2.identity(), SE2(0.0, 0.0, 0.3)):
+        track = localized(log, turn @ log.start)
+        for row in compared_rows(log, rules, track).values():
+            back = turned_back(row, turn)
+            assert abs(back.occupancy.origin.yaw) == pytest.approx(turn.yaw)
+            found = measured(measure, solids, back.occupancy, back.glass)
+            assert found == pytest.approx(2.396, abs=0.04)
+
+
+def test_goals_behind_glass_are_free_and_seen_through_it(log: GlassLog) -> None:
+    truth = truth_of(log)
+    pairs = pairs_behind_glass(truth, 30, np.random.default_rng(0))
+    assert pairs.shape == (30, 4)
+    assert (pairs[:, 3] > 2.4).all() and (pairs[:, 1] < 2.4).all()
+    cells = truth.lattice.to_cells(pairs[:, 2:])
+    assert (truth.to_real[tuple(cells.T)] > INFLATION_M).all()
+    nothing = replace(truth, is_behind=np.zeros_like(truth.is_behind))
+    assert len(pairs_behind_glass(nothing, 30, np.random.default_rng(0))) == 0
 
 
 def _kept_as(room: Path, folder: Path) -> Path:

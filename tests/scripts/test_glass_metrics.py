@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from experiments.glass_map import spreads
+from experiments.glass_map import length_spreads, spreads
 from experiments.glass_measures import Face, faces_of, fitted, measured
 from experiments.glass_metrics import (
     false_occupied,
@@ -158,6 +158,15 @@ def test_cells_behind_a_pane_are_those_seen_through_it() -> None:
     assert not is_seen(1.08, 0.0)  # nearer than 15 cm
     assert not is_seen(2.7, 0.0)  # behind the wall
     assert not is_seen(1.5, 1.5)  # beside the pane
+
+
+def test_cells_far_behind_a_pane_are_behind_it_too() -> None:
+    lattice, nothing = a_map(40, 240, x=0.0, y=-1.0), np.zeros((0, 4))
+    panes = np.array([[1.0, -0.5, 1.0, 0.5]])
+    seen = seen_through_glass(np.array([[0.1, 0.0]]), nothing, panes, lattice)
+    cells = lattice.to_cells(np.array([[x, 0.0] for x in np.arange(1.25, 11.9, 0.5)]))
+    assert seen[tuple(cells.T)].all()
+    assert not seen[:, :20].any()
 
 
 def test_no_pane_no_cells_behind_it() -> None:
@@ -353,3 +362,17 @@ def test_spreads_name_mean_median_and_worst_floor() -> None:
     assert row["glass_recall_worst_in"] == "one"
     assert (row["false_occupied_worst"], row["false_occupied_worst_in"]) == (0.5, "one")
     assert row["glass_precision"] is None
+
+
+def test_errors_of_lengths_are_summed_up_over_seeds_by_row_and_turn() -> None:
+    like = {"experiment": 1, "name": "a", "what": "width", "unit": "m", "true": 2.0}
+    entries = [
+        {**like, "method": "bayes", "turn_rad": 0.0, "seed": k, "error": error}
+        for k, error in enumerate((0.03, -0.04, None))
+    ]
+    entries.append({**like, "method": "bayes", "turn_rad": 0.3, "seed": 0, "error": None})
+    straight, turned = length_spreads(entries)
+    assert (straight["seeds"], straight["in_map"]) == (3, 2)
+    assert straight["error_rms"] == pytest.approx(math.sqrt(0.0025 / 2.0))
+    assert straight["error_worst"] == -0.04
+    assert (turned["turn_rad"], turned["in_map"], turned["error_worst"]) == (0.3, 0, None)
