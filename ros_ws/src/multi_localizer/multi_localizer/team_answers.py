@@ -13,7 +13,9 @@ from multi_localizer.landmarks import Landmarks, positions
 from multi_localizer.pose_estimate import PoseEstimate, moved
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_corrections import Now, believed, corrected_views, largest_change
+from multi_localizer.team_filter_config import TeamFilterConfig
 from multi_localizer.team_inbox import Moment, TeamInbox
+from multi_localizer.team_over_time import TeamOverTime
 from multi_localizer.team_solver import solve_team
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution
 
@@ -58,15 +60,25 @@ class TeamAnswers:
         inbox: Of the team, for its motion.
         landmarks: By class.
         config: Of the solver.
+        filter_config: Of the filter that joins moments; None for each moment on its own.
     """
 
-    def __init__(self, inbox: TeamInbox, landmarks: Landmarks, config: TeamConfig) -> None:
+    def __init__(
+        self,
+        inbox: TeamInbox,
+        landmarks: Landmarks,
+        config: TeamConfig,
+        filter_config: TeamFilterConfig | None = None,
+    ) -> None:
         """Start without an answer."""
+        self._filter_config = filter_config
+        self._last: TeamAnswer | None = None
+        self._over_time: TeamOverTime | None = None
         self.config = config
         self.poses_use_landmarks = True
         self._inbox, self._landmarks = inbox, landmarks
         self._positions = positions(landmarks)
-        self._last: TeamAnswer | None = None
+        self.forget()
 
     def solve(self, moment: Moment) -> TeamAnswer:
         """Return the poses at a moment."""
@@ -78,13 +90,23 @@ class TeamAnswers:
             if largest_change(before, views) < _WORTH_SD * self.config.bearing_sd_rad:
                 break
             solution = solve_team(views, self._positions, self.config)
+        if self._over_time is not None:
+            solution = self._over_time.follow(moment.stamp_ns, views, solution, self._motion)
         most = largest_change(start, views)
         self._last = TeamAnswer(moment, solution, self._bases(solution), most)
         return self._last
 
+    def configure(self, config: TeamConfig, filter_config: TeamFilterConfig | None) -> None:
+        """Go on with other values."""
+        self.config, self._filter_config = config, filter_config
+        self.forget()
+
     def forget(self) -> None:
         """Start anew: the clock jumped."""
-        self._last = None
+        self._last = self._over_time = None
+        if self._filter_config is not None:
+            names = tuple(self._inbox.robots)
+            self._over_time = TeamOverTime(names, self._positions, self._filter_config)
 
     def _corrected(
         self, views: tuple[RobotView, ...], moment: Moment, solution: TeamSolution

@@ -29,6 +29,14 @@ class TeamNodeConfig:
         True, "The robots' own poses were made from these same bearings of landmarks: then they "
         "begin the search, but are not counted twice.",
     )  # fmt: skip
+    over_time: bool = param(
+        True, "Join the moments by the robots' `odom`, where they have one; otherwise each pose "
+        "rests on one moment alone.",
+    )  # fmt: skip
+    repeat_s: float = param(
+        6.0, "With `over_time`: errors of bearings to one thing are alike for about so long; 0 "
+        "takes every bearing for new knowledge.", unit="s", ge=0.0, le=3600.0,
+    )  # fmt: skip
     object_classes: tuple[str, ...] = param(
         (), "Classes of other things to locate: `bearings/<class>` of each robot.", read_only=True
     )

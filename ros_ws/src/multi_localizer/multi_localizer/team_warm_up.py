@@ -7,6 +7,8 @@ import numpy as np
 from floornav_common.se2 import SE2
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_filter_config import TeamFilterConfig
+from multi_localizer.team_over_time import TeamOverTime
 from multi_localizer.team_solver import solve_team
 from multi_localizer.team_views import RobotView
 
@@ -16,7 +18,11 @@ _MARKS = np.array([[5.0, 0.0], [-2.0, 4.0]])
 
 def warm_up(config: TeamConfig) -> None:
     """Compile: a team with landmarks and other things, and one of which little is known."""
-    solve_team([_view(i, has_all=True) for i in range(len(_PLACES))], {"mark": _MARKS}, config)
+    views, marks = [_view(i, has_all=True) for i in range(len(_PLACES))], {"mark": _MARKS}
+    solution = solve_team(views, marks, config)
+    over_time = TeamOverTime(solution.names, marks, TeamFilterConfig())
+    for stamp_ns in range(1, 4):
+        over_time.follow(stamp_ns, views, solution, lambda *_: SE2(0.01, 0.0, 0.01))
     solve_team([_view(i, has_all=False) for i in range(len(_PLACES))], {}, config)
 
 

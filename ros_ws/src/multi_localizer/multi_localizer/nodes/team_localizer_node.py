@@ -25,6 +25,7 @@ from multi_localizer.nodes.team_reports import TeamReports
 from multi_localizer.robot_inbox import Classes
 from multi_localizer.team_answers import TeamAnswers
 from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_filter_config import TeamFilterConfig
 from multi_localizer.team_inbox import TeamInbox
 from multi_localizer.team_node_config import TeamNodeConfig, TeamTimingConfig
 from multi_localizer.team_warm_up import warm_up
@@ -40,7 +41,8 @@ class TeamLocalizerNode(FloornavNode):
         super().__init__("team_localizer")
         config = declare_config(self, TeamNodeConfig, on_change=self._set_config)
         self._timing = declare_config(self, TeamTimingConfig, on_change=self._set_timing)
-        solver = declare_config(self, TeamConfig, on_change=self._set_solver)
+        self._solver = declare_config(self, TeamConfig, on_change=self._set_solver)
+        self._config = config
         own = self._own_name(config)
         try:
             landmarks = load_landmarks(config.landmarks) if config.landmarks else {}
@@ -48,8 +50,8 @@ class TeamLocalizerNode(FloornavNode):
             raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
         classes = Classes(frozenset(landmarks), frozenset(config.object_classes) - landmarks.keys())
         self._inbox = TeamInbox(config.team, own, self._timing, classes)
-        self._answers = TeamAnswers(self._inbox, landmarks, solver)
-        self._set_config(config)
+        self._answers = TeamAnswers(self._inbox, landmarks, self._solver)
+        self._configure()
         self._outputs = TeamOutputs(
             self, config.team, own, config.publish_for == "all", config.publish_tf
         )
@@ -64,7 +66,7 @@ class TeamLocalizerNode(FloornavNode):
             self._clocks = TeamClocks(self, own, others)
         self.time.on_restart(self._forget)
         self._timer = self.create_timer(_LOOK_S, self._look, clock=self.time.steady_clock)
-        self.ready(lambda: warm_up(solver))
+        self.ready(lambda: warm_up(self._solver))
 
     def _own_name(self, config: TeamNodeConfig) -> str:
         """Return this robot's name in the team, by the namespace of this node."""
@@ -100,14 +102,22 @@ class TeamLocalizerNode(FloornavNode):
         self._outputs.stop_tf()
 
     def _set_config(self, config: TeamNodeConfig) -> None:
-        self._answers.poses_use_landmarks = config.poses_use_landmarks
+        self._config = config
+        self._configure()
+
+    def _configure(self) -> None:
+        told, sd = self._config, self._solver.bearing_sd_rad
+        over_time = TeamFilterConfig(bearing_sd_rad=sd, repeat_s=told.repeat_s)
+        self._answers.poses_use_landmarks = told.poses_use_landmarks
+        self._answers.configure(self._solver, over_time if told.over_time else None)
 
     def _set_timing(self, timing: TeamTimingConfig) -> None:
         self._timing = timing
         self._inbox.configure(timing)
 
     def _set_solver(self, solver: TeamConfig) -> None:
-        self._answers.config = solver
+        self._solver = solver
+        self._configure()
 
 
 def main(args: list[str] | None = None) -> int:
