@@ -12,11 +12,14 @@ from experiments.team_bounds import bearing_gradients, bound, information, oracl
 from experiments.team_faults import FAULTS
 from experiments.team_judge import figures, judge
 from experiments.team_layouts import BODY_RADIUS, FIELD_X, FIELD_Y, POSTS, Layout, random_layout
+from experiments.team_paper_cases import METHODS, PAPER_ALONE, fits_best, paper_case
 from experiments.team_peers import count_triangles, gtsam_poses, num_triples, scipy_poses
+from experiments.team_rows import Row, judged, num_layouts
+from experiments.team_things import matched, things_on, with_things
 from experiments.team_views_sim import Senses, hidden, see
 from floornav_common.se2 import SE2
 from multi_localizer.pose_estimate import PoseEstimate
-from multi_localizer.team_views import NOBODY, TeamSolution
+from multi_localizer.team_views import NOBODY, ObjectEstimate, TeamSolution
 
 DEGREE = float(np.radians(1.0))
 SHARP = Senses(noise=1e-6)
@@ -232,3 +235,48 @@ def test_every_triangle_of_three_robots_is_one():
     scene = see(Layout(poses, np.empty((0, 2))), SHARP, 0)
     assert count_triangles(scene, 0.001) == num_triples(3) == 1
     assert num_triples(10) == 120
+
+
+def test_a_row_is_judged_over_its_layouts():
+    row = judged(Row(table="sweep", title="three", num_robots=3), range(1000, 1012))
+    assert row["layouts"] == 12 and row["identified_share"] == 1.0
+    assert row["crlb_ratio"] == pytest.approx(1.0, abs=0.5)
+    assert row["nees_band"][0] < 3.0 < row["nees_band"][1]
+
+
+def test_the_papers_case_holds_every_method_on_the_same_robots():
+    case = paper_case(2.0, range(1000, 1003))
+    assert case["robots"] == 12 and case["noise_deg"] == 2.0
+    assert all(case[method]["answers"] <= 12 for method in METHODS)
+    assert 0.0 < case["ratio_to_alone"] < 1.0
+
+
+def test_the_deviation_that_fits_the_papers_robots_alone_is_found():
+    near = {"noise_deg": 3.0, "alone": {key: 1.1 * value for key, value in PAPER_ALONE.items()}}
+    far = {"noise_deg": 2.0, "alone": {key: 0.5 * value for key, value in PAPER_ALONE.items()}}
+    assert fits_best([far, near]) == 3.0
+
+
+def test_large_teams_get_fewer_layouts_and_never_none():
+    assert num_layouts(Row(table="sweep", title="", num_robots=4), 200) == 200
+    assert num_layouts(Row(table="sweep", title="", num_robots=50), 200) == 40
+    assert num_layouts(Row(table="faults", title="", num_robots=50), 1) == 1
+
+
+def test_things_are_matched_to_the_nearest_found_and_phantoms_to_none():
+    things = np.array([[0.0, 0.0], [2.0, 0.0], [-2.0, 1.0]])
+    places = [[2.1, 0.0], [0.0, 0.1], [3.9, 2.0]]
+    found = [ObjectEstimate("ball", np.array(p), np.eye(2), ("r0", "r1")) for p in places]
+    pairs = [(thing.tolist(), each.position.tolist()) for thing, each in matched(things, found)]
+    assert pairs == [([0.0, 0.0], [0.0, 0.1]), ([2.0, 0.0], [2.1, 0.0])]
+    assert matched(things, []) == []
+
+
+def test_each_robot_sees_the_balls_that_nothing_hides():
+    scene = see(random_layout(2, 4), Senses(noise=1e-6, hides=False), 2)
+    things = things_on(scene, 2)
+    assert np.hypot(*(things[:, None] - scene.layout.poses[:, :2]).transpose(2, 0, 1)).min() > 0.5
+    for view, pose in zip(with_things(scene, things, 2).views, scene.layout.poses, strict=True):
+        rays = np.arctan2(*(things - pose[:2]).T[::-1]) - pose[2]
+        off = np.exp(1j * (view.object_bearings["ball"][:, None] - rays))
+        assert np.all(np.abs(off - 1.0).min(axis=1) < 1e-4)
