@@ -190,9 +190,20 @@ def _who(track: Track, triangles: Triangles) -> str:
 
 
 def _wrong(track: Track) -> Table:
-    header = ["robot", "bearing offset, deg", "bearing scale", "way", "turn", "curve, rad/m"]
-    rows = [
-        [str(robot), f"{np.degrees(e[0]):.2f}", *(f"{1.0 + v:.3f}" for v in e[1:4]), f"{e[4]:.3f}"]
-        for robot, e in track.errors.items()
+    header = [
+        "robot",
+        "bearing offset, deg",
+        "bearing scale",
+        "way",
+        "turn",
+        "curve, rad/m",
+        "way at 0.4 rad/s",
     ]
+    rows = [
+        [
+            str(robot), f"{np.degrees(e[0]):.2f}", *(f"{1.0 + v:.3f}" for v in e[1:4]),
+            f"{e[4]:.3f}", f"{1.0 + e[2] + 0.4 * e[5]:.3f}",
+        ]
+        for robot, e in track.errors.items()
+    ]  # fmt: skip
     return Table(header, rows)

@@ -20,7 +20,7 @@ from multi_localizer.team_filter_config import TeamFilterConfig
 
 _VALUES = (
     "bearing_sd_rad", "repeat_s", "travel_noise", "sideways_noise", "turn_noise_way", "turn_noise",
-    "scale_walk", "scale_sd", "offset_walk",
+    "scale_walk", "scale_sd", "offset_walk", "drag_sd",
 )  # fmt: skip
 _FALSE = 0.01
 _VIEW_RAD = 1.2

@@ -20,6 +20,7 @@ NOISE = TeamFilterConfig(
     bearing_sd_rad=0.0052,
     repeat_s=4.0,
     scale_sd=0.03,
+    drag_sd=0.5,
     travel_noise=0.1,
     sideways_noise=0.015,
     turn_noise_way=0.04,
@@ -46,8 +47,7 @@ class Track:
         num_used: Bearings that corrected the team.
         num_refused: Bearings left out by the gate.
         num_lost: Times that a robot was lost.
-        errors: What the sensors do wrong at the end, by robot: offset (rad), scale, travel, turn,
-            curve (rad/m).
+        errors: What the sensors do wrong at the end, by robot, as in `SensorErrors`.
     """
 
     times: np.ndarray
@@ -125,7 +125,7 @@ def run_filter(
                 on_progress(row / len(times))
     for k in numbers:
         e = team.errors_of(_name(k))
-        track.errors[k] = (e.offset, e.scale, e.travel, e.turn, e.curve)
+        track.errors[k] = (e.offset, e.scale, e.travel, e.turn, e.curve, e.drag)
     return track
 
 

@@ -15,7 +15,9 @@ from multi_localizer.team_sightings import Sighting
 
 TOL = 1e-9
 NS = 1_000_000_000
-CERTAIN = {"offset_sd_rad": 0.0, "travel_scale_sd": 0.0, "turn_scale_sd": 0.0, "curve_sd": 0.0}
+CERTAIN = dict.fromkeys(
+    ("offset_sd_rad", "travel_scale_sd", "turn_scale_sd", "curve_sd", "drag_sd"), 0.0
+)
 CONFIG = TeamFilterConfig(repeat_s=0.0, bearing_sd_rad=0.01)
 
 
@@ -64,7 +66,7 @@ def random_state(seed: int) -> tuple[np.ndarray, np.ndarray]:
     mean = rng.normal(0.0, 1.0, 2 * SIZE)
     mean[SIZE] += 5.0
     mean[3::SIZE] *= 0.02
-    for state in (4, 5, 6, 7):
+    for state in (4, 5, 6, 7, 8):
         mean[state::SIZE] *= 0.05
     root = rng.normal(0.0, 0.1, (2 * SIZE, 2 * SIZE))
     return mean, root @ root.T
@@ -78,12 +80,12 @@ def test_the_covariance_moves_by_the_motion_s_derivative(seed: int) -> None:
 
     def moved(state: np.ndarray) -> np.ndarray:
         state = state.copy()
-        predict_robot(state, np.zeros_like(cov), 1, motion, none, walk)
+        predict_robot(state, np.zeros_like(cov), 1, motion, none, walk, 0.7)
         return state
 
     F = derivative(moved, mean)
     after = cov.copy()
-    predict_robot(mean.copy(), after, 1, motion, none, walk)
+    predict_robot(mean.copy(), after, 1, motion, none, walk, 0.7)
     assert after == pytest.approx(F @ cov @ F.T, abs=1e-6)
 
 
@@ -145,9 +147,26 @@ def test_scales_and_offset_are_learned_on_the_way() -> None:
     for name in STARTS:
         errors = team.errors_of(name)
         told_turn = 0.06 * errors.turn + 0.08 * errors.curve
-        assert errors.travel == pytest.approx(-0.05, abs=0.02)
+        told_way = errors.travel + errors.drag * 0.06 / (STEP_NS / NS)
+        assert told_way == pytest.approx(-0.05, abs=0.02)
         assert told_turn == pytest.approx(-0.1 * 0.06, abs=0.002)
         assert errors.offset == pytest.approx(0.02, abs=0.01)
+
+
+def test_a_robot_that_slows_down_in_curves_is_learned_to() -> None:
+    """Told 0.4 m/s always, it drives that straight on and half of it at 0.5 rad/s."""
+    config = TeamFilterConfig(repeat_s=0.0, bearing_sd_rad=0.005, drag_sd=1.0)
+    team = placed(config)
+    world = World(np.random.default_rng(9), bearing_sd=0.005)
+    for step in range(200):
+        is_curve = step // 10 % 2
+        world.travel_scale = 0.5 if is_curve else 1.0
+        world.step(team, turn=0.1 if is_curve else 0.0)
+        for name in STARTS:
+            world.look(team, name)
+    for name in STARTS:
+        assert team.errors_of(name).drag == pytest.approx(-1.0, abs=0.15)
+        assert team.errors_of(name).travel == pytest.approx(0.0, abs=0.05)
 
 
 def test_a_robot_that_sees_no_landmark_is_held_by_its_teammates() -> None:

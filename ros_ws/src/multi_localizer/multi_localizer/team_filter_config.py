@@ -49,6 +49,12 @@ class TeamFilterConfig:
     curve_sd: float = param(
         0.05, "A robot told to go straight turns; deviation of that at the start, rad/m.", ge=0.0
     )
+    drag_sd: float = param(
+        0.1,
+        "The factor of the way grows or shrinks with the rate of turning; deviation of that at the "
+        "start. 0.5 where the odometry is what the robot was told to drive.",
+        unit="s", ge=0.0,
+    )  # fmt: skip
     scale_walk: float = param(
         0.01, "How far the factors and the curve wander in 1 m or 1 rad.", ge=0.0
     )

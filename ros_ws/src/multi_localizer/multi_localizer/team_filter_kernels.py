@@ -2,7 +2,9 @@
 
 Each robot has `SIZE` states: x, y, yaw in the map frame, and what its sensors do wrong: the angle
 all bearings are off by, the factor they are stretched by less 1, the same of the way and of the
-turns that the odometry tells, and the curve it drives when told to go straight (rad/m).
+turns that the odometry tells, the curve it drives when told to go straight (rad/m), and by how much
+the factor of the way grows with the rate of turning (s; below zero where robots slow down in
+curves and their odometry does not say so).
 """
 
 from __future__ import annotations
@@ -10,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-X, Y, YAW, OFFSET, SCALE, TRAVEL, TURN, CURVE = range(8)
-SIZE = 8
+X, Y, YAW, OFFSET, SCALE, TRAVEL, TURN, CURVE, DRAG = range(9)
+SIZE = 9
 NOT_A_ROBOT = -1
 
 _TOO_NEAR = 0.01
@@ -32,6 +34,7 @@ def predict_robot(
     motion: np.ndarray,
     motion_cov: np.ndarray,
     walk: np.ndarray,
+    turn_rate: float,
 ) -> None:
     """Move one robot and what is known of it with regard to the others, in place.
 
@@ -42,22 +45,26 @@ def predict_robot(
         motion: x, y, yaw of its new pose seen from the old one, by its odometry.
         motion_cov: Covariance of that in the axes of the old pose, (3, 3).
         walk: Variance added to each of the robot's states, shape (SIZE,).
+        turn_rate: How fast the robot turned, either way, rad/s.
     """
     o = robot * SIZE
     c, s = np.cos(mean[o + YAW]), np.sin(mean[o + YAW])
     tx, ty = c * motion[0] - s * motion[1], s * motion[0] + c * motion[1]
     way = np.hypot(motion[0], motion[1])
-    grow, turn = 1.0 + mean[o + TRAVEL], 1.0 + mean[o + TURN]
+    grow = 1.0 + mean[o + TRAVEL] + turn_rate * mean[o + DRAG]
+    turn = 1.0 + mean[o + TURN]
     mean[o + X] += grow * tx
     mean[o + Y] += grow * ty
     mean[o + YAW] += turn * motion[2] + mean[o + CURVE] * way
     for other in range(mean.size):
-        yaw, travel = cov[o + YAW, other], cov[o + TRAVEL, other]
+        yaw = cov[o + YAW, other]
+        travel = cov[o + TRAVEL, other] + turn_rate * cov[o + DRAG, other]
         cov[o + X, other] += -grow * ty * yaw + tx * travel
         cov[o + Y, other] += grow * tx * yaw + ty * travel
         cov[o + YAW, other] += motion[2] * cov[o + TURN, other] + way * cov[o + CURVE, other]
     for other in range(mean.size):
-        yaw, travel = cov[other, o + YAW], cov[other, o + TRAVEL]
+        yaw = cov[other, o + YAW]
+        travel = cov[other, o + TRAVEL] + turn_rate * cov[other, o + DRAG]
         cov[other, o + X] += -grow * ty * yaw + tx * travel
         cov[other, o + Y] += grow * tx * yaw + ty * travel
         cov[other, o + YAW] += motion[2] * cov[other, o + TURN] + way * cov[other, o + CURVE]

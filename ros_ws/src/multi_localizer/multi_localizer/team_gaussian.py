@@ -11,6 +11,7 @@ from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_filter_config import TeamFilterConfig
 from multi_localizer.team_filter_kernels import (
     CURVE,
+    DRAG,
     NOT_A_ROBOT,
     OFFSET,
     SCALE,
@@ -34,6 +35,7 @@ class SensorErrors:
         travel: Factor of the way that the odometry leaves out, less 1.
         turn: Factor of the turns that the odometry leaves out, less 1.
         curve: Curve driven when told to go straight, rad/m.
+        drag: What `travel` grows by with the rate of turning, s.
     """
 
     offset: float
@@ -41,6 +43,7 @@ class SensorErrors:
     travel: float
     turn: float
     curve: float
+    drag: float
 
 
 class TeamGaussian:
@@ -60,8 +63,8 @@ class TeamGaussian:
         self._mean[o : o + 3] = estimate.pose.as_array()
         self._cov[o : o + 3, o : o + 3] = estimate.cov
         sds = [config.offset_sd_rad, config.scale_sd, config.travel_scale_sd]
-        sds += [config.turn_scale_sd, config.curve_sd]
-        for state, sd in zip((OFFSET, SCALE, TRAVEL, TURN, CURVE), sds, strict=True):
+        sds += [config.turn_scale_sd, config.curve_sd, config.drag_sd]
+        for state, sd in zip((OFFSET, SCALE, TRAVEL, TURN, CURVE, DRAG), sds, strict=True):
             self._cov[o + state, o + state] = sd**2
 
     def clear(self, robot: int) -> None:
@@ -78,7 +81,8 @@ class TeamGaussian:
         walk[OFFSET] = config.offset_walk**2 * dt
         walk[[TRAVEL, CURVE]] = config.scale_walk**2 * way
         walk[TURN] = config.scale_walk**2 * turned
-        predict_robot(self._mean, self._cov, robot, motion.as_array(), noise, walk)
+        rate = turned / dt if dt > 0.0 else 0.0
+        predict_robot(self._mean, self._cov, robot, motion.as_array(), noise, walk, rate)
 
     def expect(self, robot: int, bearing: float, target: int | np.ndarray) -> tuple[float, float]:
         """Return measured less expected bearing and the variance of the expected one.
