@@ -17,7 +17,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
-from experiments.bench_sonar_update import FUSIONS, LIMIT_P99_MS, WORLD
+from experiments.bench_sonar_update import FUSIONS, LIMIT_P99_MS, WORLD, clocks
 from experiments.glass_logs import GlassLog, drive
 from experiments.timing import Case, median_and_p99
 from floornav_common.se2 import SE2
@@ -77,21 +77,17 @@ def _updates(
     times, spent, num, making = [], np.zeros(2), 0, None
     with ThreadPoolExecutor(1) as pool:
         for event, _ in log.events():
-            started, stamp_ns = _clocks(), event.stamp_ns + offset_ns
+            started, stamp_ns = clocks(), event.stamp_ns + offset_ns
             if not isinstance(event, ScanEvent):
                 mapper.insert_range(stamp_ns, event.reading, event.T_base_sonar, event.frame)
-                spent += _clocks() - started
+                spent += clocks() - started
                 continue
             mapper.insert_scan(stamp_ns, event.scan, event.T_base_laser, event.T_odom_base)
             if makes_layers and (making is None or making.done()):
                 making, num = _begin(pool, mapper, making), num + 1
-            times.append(1e3 * (spent + _clocks() - started))
+            times.append(1e3 * (spent + clocks() - started))
             spent = np.zeros(2)
     return np.array(times[_WARM_UP:]), num
-
-
-def _clocks() -> np.ndarray:
-    return np.array((time.perf_counter(), time.thread_time()))
 
 
 def _begin(

@@ -38,15 +38,17 @@ def run(seed: int, say: Callable[[str], None]) -> list[Case]:
     cases = []
     for fusion in FUSIONS:
         say(f"sonar_update: {fusion}")
-        ms = _race(log, fusion)
-        median, p99 = median_and_p99(ms["ours"])
-        peer, floor = (float(np.median(ms[name])) for name in ("costmap layer", "floor"))
+        by_whom = _race(log, fusion)
+        median, p99 = median_and_p99(by_whom["ours"])
+        peer, floor = (float(np.median(by_whom[name])) for name in ("costmap layer", "floor"))
         extra = {"median_us": 1e3 * median, "p99_us": 1e3 * p99}
         cases.append(Case(f"reading_{fusion}", median, p99, "costmap layer", peer, floor, extra))
     for fusion in FUSIONS:
         say(f"sonar_update: whole update, {fusion}")
-        median, p99 = median_and_p99(_whole(log, fusion))
+        ms = _whole(log, fusion)
+        median, p99 = median_and_p99(ms[:, 0])
         extra = {
+            "computed_p99_ms": median_and_p99(ms[:, 1])[1],
             "paper_icp_worst_ms": PAPER_ICP_WORST_MS, "limit_p99_ms": LIMIT_P99_MS,
             "reached": "yes" if p99 < LIMIT_P99_MS else "no",
         }  # fmt: skip
@@ -79,17 +81,25 @@ def _race(log: GlassLog, fusion: str) -> dict[str, np.ndarray]:
 
 
 def _whole(log: GlassLog, fusion: str) -> np.ndarray:
-    """Return ms of each scan with its match and all readings since the scan before."""
+    """Return ms of each scan with its match and all readings since the scan before, shape (N, 2).
+
+    Columns: by the clock, and of them those computed: on a busy machine the rest is waiting.
+    """
     mapper = LayeredMapper(GridMapperConfig(fusion=fusion), log.start)
-    times, spent = [], 0.0
+    times, spent = [], np.zeros(2)
     for event, _ in log.events():
-        started = time.perf_counter()
+        started = clocks()
         if isinstance(event, ScanEvent):
             mapper.insert_scan(event.stamp_ns, event.scan, event.T_base_laser, event.T_odom_base)
         else:
             mapper.insert_range(event.stamp_ns, event.reading, event.T_base_sonar, event.frame)
-        spent += time.perf_counter() - started
+        spent += clocks() - started
         if isinstance(event, ScanEvent):
             times.append(1e3 * spent)
-            spent = 0.0
+            spent = np.zeros(2)
     return np.array(times[_WARM_UP // 10 :])
+
+
+def clocks() -> np.ndarray:
+    """Return the clock and the time that this thread has computed, s."""
+    return np.array((time.perf_counter(), time.thread_time()))
