@@ -54,10 +54,11 @@ def test_what_a_bearing_changed_is_taken_out_again() -> None:
 def test_nearest_bearings_come_first_and_far_ones_not_at_all() -> None:
     bearings, into = np.array([0.5, 0.1, -0.05, 3.0]), np.full(MAX_CANDIDATES, -1)
     var, known = np.full(4, 0.01), np.full(4, UNKNOWN)
-    found = nearest_bearings(into, 0, 4, bearings, var, known, 1, 0.0, 0.03, 3.0)
+    room = np.empty(MAX_CANDIDATES)
+    found = nearest_bearings(into, 0, 4, bearings, var, known, 1, 0.0, 0.03, 3.0, room)
     assert list(into[:found]) == [2, 1, 0]
     known[2] = 7  # said to be another robot's
-    found = nearest_bearings(into, 0, 4, bearings, var, known, 1, 0.0, 0.03, 3.0)
+    found = nearest_bearings(into, 0, 4, bearings, var, known, 1, 0.0, 0.03, 3.0, room)
     assert list(into[:found]) == [1, 0]
 
 

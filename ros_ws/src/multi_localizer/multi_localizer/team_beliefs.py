@@ -16,7 +16,7 @@ from multi_localizer.team_pairs import MAX_CANDIDATES, NONE
 
 _MOST = 1e12
 _LEAST = 1e-12
-_SETTLED = 0.02  # change of the odds' logarithm at which messages end
+_SETTLED = 0.005  # change of the belief that a bearing is anybody's at which messages end
 
 
 @numba.njit(cache=True)
@@ -38,6 +38,7 @@ def beliefs(
     free = np.ones((n, n, MAX_CANDIDATES + 1))
     claims = np.zeros(num_bearings)
     before = np.zeros(num_bearings)
+    sums = np.zeros((2, MAX_CANDIDATES))
     for _ in range(rounds):
         for i in range(n):
             for j in range(i + 1, n):
@@ -45,7 +46,7 @@ def beliefs(
                     continue
                 _say_odds(
                     likelihoods[i, j], free[i, j], free[j, i], counts[i, j], counts[j, i],
-                    odds[i, j], odds[j, i],
+                    odds[i, j], odds[j, i], sums,
                 )  # fmt: skip
         _sum_claims(claims, candidates, counts, odds)
         for i in range(n):
@@ -67,7 +68,7 @@ def beliefs(
 @numba.njit(cache=True)
 def _is_settled(claims: np.ndarray, before: np.ndarray) -> bool:
     for k in range(len(claims)):
-        if abs(np.log1p(claims[k]) - np.log1p(before[k])) > _SETTLED:
+        if abs(claims[k] / (1.0 + claims[k]) - before[k] / (1.0 + before[k])) > _SETTLED:
             return False
     return True
 
@@ -86,11 +87,12 @@ def _sum_claims(
 @numba.njit(cache=True)
 def _say_odds(
     likelihoods: np.ndarray, free_i: np.ndarray, free_j: np.ndarray, num_i: int, num_j: int,
-    odds_i: np.ndarray, odds_j: np.ndarray,
+    odds_i: np.ndarray, odds_j: np.ndarray, sums: np.ndarray,
 ) -> None:  # fmt: skip
     """Write at which odds a pair uses each of its candidates, given how free they are."""
     total = likelihoods[NONE, NONE]
-    by_i, by_j = np.zeros(MAX_CANDIDATES), np.zeros(MAX_CANDIDATES)
+    by_i, by_j = sums[0], sums[1]
+    by_j[:num_j] = 0.0
     for c in range(num_i):
         by_i[c] = likelihoods[c, NONE] * free_i[c]
         for d in range(num_j):

@@ -67,7 +67,7 @@ class TeamConfig:
         2, "Robots with fewer bearings than this are not looked for anew.", ge=1
     )
     search_rounds: int = param(
-        6, "Identities are looked at again at most so many times after a search.", ge=1, le=100
+        10, "Identities are looked at again at most so many times after a search.", ge=1, le=100
     )
     max_lost: int = param(10, "So many of them are looked for at once, the worst ones.", ge=1)
     max_searches: int = param(4, "Robots are looked for anew so many times.", ge=0, le=100)
@@ -76,8 +76,12 @@ class TeamConfig:
         ge=0.0, le=1.0,
     )  # fmt: skip
     least_trust: float = param(
-        0.6, "Identities count only if the share of bearings with an owner, times the share of "
-        "those that are returned, is at least this; else each robot is placed alone.",
+        0.25, "Identities count only if the share of bearings with an owner, times the share of "
+        "those that are returned, is this much above twice chance; else each robot is alone.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
+    returned_share: float = param(
+        0.5, "A robot of whose bearings less than this share is returned is placed alone.",
         ge=0.0, le=1.0,
     )  # fmt: skip
     lost_yaw_rad: float = param(

@@ -24,7 +24,7 @@ from multi_localizer.team_state import PLAIN, Identification
 from multi_localizer.team_trust import contradicted_priors
 from multi_localizer.team_yaws import settle_yaws
 
-_LEVELS = (0.95, 0.8, 0.6)
+_LEVELS = (0.95, 0.6)
 _FEW = 0.007  # share of the bearings that may change in a settled round
 _FEW_STEPS = 10  # of the fit within a round; the next one goes on
 

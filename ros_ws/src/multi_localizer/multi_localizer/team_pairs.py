@@ -71,10 +71,13 @@ def without_own(
 def nearest_bearings(
     into: np.ndarray, first: int, last: int, bearings: np.ndarray, var: np.ndarray,
     known: np.ndarray, who: int, expected: float, spread: float, gate: float,
+    distances: np.ndarray,
 ) -> int:  # fmt: skip
-    """Write the bearings that may be robot `who`'s, nearest first, into `into`; return how many."""
+    """Write the bearings that may be robot `who`'s, nearest first, into `into`; return how many.
+
+    `distances` is room for as many, to work in.
+    """
     found = 0
-    distances = np.empty(MAX_CANDIDATES)
     for k in range(first, last):
         e = wrap(bearings[k] - expected)
         squared = e * e / (spread + var[k])
@@ -125,6 +128,7 @@ def pair_likelihoods(
     candidates = np.full((n, n, MAX_CANDIDATES), -1, dtype=np.int64)
     counts = np.zeros((n, n), dtype=np.int64)
     likelihoods = np.zeros((n, n, MAX_CANDIDATES + 1, MAX_CANDIDATES + 1))
+    distances = np.empty(MAX_CANDIDATES)
     for i in range(n):
         for j in range(i + 1, n):
             phi, s11, s12, s22, more = direction_covariance(x, cov, i, j)
@@ -144,10 +148,30 @@ def pair_likelihoods(
             most = 0.999 * np.sqrt(s11 * s22)
             s11, s12, s22 = s11 + more, min(max(s12, -most), most) + more, s22 + more
             counts[i, j] = nearest_bearings(
-                candidates[i, j], start[i], start[i + 1], bearings, var, known, j, h1, s11, gate
+                candidates[i, j],
+                start[i],
+                start[i + 1],
+                bearings,
+                var,
+                known,
+                j,
+                h1,
+                s11,
+                gate,
+                distances,
             )
             counts[j, i] = nearest_bearings(
-                candidates[j, i], start[j], start[j + 1], bearings, var, known, i, h2, s22, gate
+                candidates[j, i],
+                start[j],
+                start[j + 1],
+                bearings,
+                var,
+                known,
+                i,
+                h2,
+                s22,
+                gate,
+                distances,
             )
             weigh_pair(
                 likelihoods[i, j], candidates[i, j, : counts[i, j]],

@@ -24,7 +24,7 @@ _BETTER = 2.0  # log-likelihood that a new place must gain
 _BETTER_ANYWHERE = 6.0
 _BLUR = 0.04  # m
 _LEAST_PLACED = 2
-_LITTLE = 0.5  # share of its bearings: a robot that explains less may be anywhere
+_LITTLE = 0.8  # share of its bearings: a robot that explains less may be anywhere
 _SURE = 0.8
 _MOST_PRIOR = 8.0
 _PLACED_SD = 0.6  # m; robots known worse help nobody
@@ -70,7 +70,16 @@ def relocate_lost(
         pose = None
         if is_placed.sum() >= _LEAST_PLACED:
             is_wide = weight[u] == 0.0 or share[u] < _LITTLE
-            search = _Search(problem, x, cov, int(u), table, is_placed, bool(weight[u] > 0.0))
+            search = _Search(
+                problem,
+                x,
+                cov,
+                int(u),
+                table,
+                is_placed,
+                bool(weight[u] > 0.0),
+                bool(_placed(cov)[u]),
+            )
             pose = search.better_pose(is_wide)
         if pose is None:
             continue
@@ -114,10 +123,11 @@ class _Search:
     table: np.ndarray
     is_placed: np.ndarray
     has_prior: bool
+    is_known: bool
 
     def better_pose(self, is_wide: bool) -> np.ndarray | None:
         """Return a pose that explains more than the present one, (3,); None if there is none."""
-        now = self.score(self.x[self.u])
+        now = self.score(self.x[self.u]) if self.is_known else -np.inf
         if self.has_prior:
             prior = self.problem.prior[self.u]
             sd = np.sqrt(np.diag(np.linalg.inv(self.problem.prior_info[self.u])))

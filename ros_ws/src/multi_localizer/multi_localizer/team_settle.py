@@ -10,7 +10,8 @@ from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import explained_share, relocate_lost
 from multi_localizer.team_state import Identification
 
-_GAIN = 1.003  # a search that explains no more than this many times as much is the last
+_MANY = 400  # bearings: of more, a search that gains little is the last
+_GAIN = 1.003
 
 
 def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
@@ -32,12 +33,11 @@ def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
         if num_moved == 0:
             break
         found = refine(problem, found, config, config.search_rounds)
-        if num_explained(found) > num_explained(best) * _GAIN:
-            best = found
-        elif num_explained(found) > num_explained(best):
-            return found
-        else:
-            return best
+        is_better = num_explained(found) > num_explained(best)
+        is_much = num_explained(found) > num_explained(best) * _GAIN
+        best = found if is_better else best
+        if not is_much and len(problem.bearings) > _MANY:
+            break
     return best
 
 

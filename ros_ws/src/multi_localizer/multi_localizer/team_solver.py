@@ -17,7 +17,7 @@ from multi_localizer.team_problem import TeamProblem, make_problem
 from multi_localizer.team_settle import settle
 from multi_localizer.team_single import without_touched_marks
 from multi_localizer.team_state import Identification
-from multi_localizer.team_trust import liars, trust, without
+from multi_localizer.team_trust import doubted, liars, needed_trust, trust, without
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
 
 
@@ -52,24 +52,31 @@ def _believed(
 ) -> tuple[Identification, tuple[str, ...], tuple[str, ...]]:
     """Return what of the identities is believed, the suspects, and what is to be said of both."""
     value = trust(problem, found)
-    if value < config.least_trust and len(problem.bearings):
+    if value < needed_trust(problem, config):
         everyone = np.ones(problem.num_robots, dtype=np.bool_)
         note = f"identities could not be settled (trust {value:.2f}): each robot is placed alone"
-        alone = without(problem, found, everyone)
+        alone = without(problem, found, everyone, also_to=True)
         return replace(alone, prior_weight=problem.has_prior.astype(float)), (), (note,)
     lying = liars(problem, found, config)
     moved = problem.has_prior & (found.prior_weight == 0.0)
     names = np.array(problem.names)
     notes = [f"{name}: its bearings fit nobody and are left out" for name in names[lying]]
     notes += [f"{name}: its rough pose is contradicted and left out" for name in names[moved]]
-    found = without(problem, found, lying)
+    found = without(problem, found, lying, also_to=False)
+    in_doubt = doubted(problem, found, config) & ~lying
+    notes += [f"{name}: few return its bearings: placed alone" for name in names[in_doubt]]
+    found = without(problem, found, in_doubt, also_to=True)
     return found, tuple(str(name) for name in names[lying | moved]), tuple(notes)
 
 
 def _final_fit(problem: TeamProblem, found: Identification, config: TeamConfig) -> TeamFit:
     """Fit once more, with those rough poses only that are evidence of their own."""
     weight = np.where(problem.prior_counts, found.prior_weight, 0.0)
-    start = found.fit.poses if (found.seen >= 0).any() else problem.prior
+    owners = np.repeat(np.arange(problem.num_robots), np.diff(problem.start))
+    is_in = np.zeros(problem.num_robots, dtype=np.bool_)
+    is_in[owners[found.seen >= 0]] = True
+    is_in[found.seen[found.seen >= 0]] = True
+    start = np.where(is_in[:, None] | ~problem.has_prior[:, None], found.fit.poses, problem.prior)
     return fit_poses(problem, start, found.seen, found.mark_seen, weight, config.gate_sd)
 
 

@@ -18,6 +18,9 @@ from multi_localizer.team_state import Identification
 
 _WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where landmarks put the robot
 _LEAST_MARKS = 2
+_MOST_NEEDED = 0.8
+_MANY = 6  # bearings: of fewer, shares say little
+_LIKELY = 0.35  # of two robots in one direction either may be it
 
 
 def contradicted_priors(problem: TeamProblem, alone: TeamFit, mark_seen: np.ndarray) -> np.ndarray:
@@ -33,13 +36,41 @@ def trust(problem: TeamProblem, found: Identification) -> float:
     """Return the share of bearings with an owner times the share that is returned, 0..1."""
     if not len(found.seen):
         return 1.0
+    sees = _sees(problem, found)
+    if not sees.any():
+        return 0.0
+    explained = float((found.belief > _LIKELY).mean())
+    return explained * float((sees & sees.T).sum() / sees.sum())
+
+
+def needed_trust(problem: TeamProblem, config: TeamConfig) -> float:
+    """Return the trust below which identities may be chance.
+
+    A bearing drawn at random is within two deviations of one of N - 1 robots with the chance
+    1 - exp(-(N - 1) 4 sd / (2 pi)): the more robots and the more noise, the more is asked for.
+    """
+    if not len(problem.var):
+        return 0.0
+    width = 4.0 * float(np.sqrt(np.mean(problem.var))) / (2.0 * np.pi)
+    chance = 1.0 - np.exp(-(problem.num_robots - 1) * width)
+    return float(min(config.least_trust + 2.0 * chance, _MOST_NEEDED))
+
+
+def doubted(problem: TeamProblem, found: Identification, config: TeamConfig) -> np.ndarray:
+    """Return robots of whose bearings too few are returned, (N,) bool: they may be elsewhere."""
+    sees = _sees(problem, found)
+    returned = (sees & sees.T).sum(axis=1)
+    counts = np.diff(problem.start)
+    return np.asarray((counts >= _MANY) & (returned < config.returned_share * counts))
+
+
+def _sees(problem: TeamProblem, found: Identification) -> np.ndarray:
+    """Return who counts as seeing whom, (N, N) bool."""
     owners = np.repeat(np.arange(problem.num_robots), np.diff(problem.start))
     counts = found.seen >= 0
     sees = np.zeros((problem.num_robots, problem.num_robots), dtype=np.bool_)
     sees[owners[counts], found.seen[counts]] = True
-    if not sees.any():
-        return 0.0
-    return float(counts.mean() * (sees & sees.T).sum() / sees.sum())
+    return sees
 
 
 def liars(problem: TeamProblem, found: Identification, config: TeamConfig) -> np.ndarray:
@@ -50,9 +81,13 @@ def liars(problem: TeamProblem, found: Identification, config: TeamConfig) -> np
     return np.asarray((counts >= 4) & (fitting < config.liar_share * counts))
 
 
-def without(problem: TeamProblem, found: Identification, robots: np.ndarray) -> Identification:
-    """Return identities without the bearings of some robots, (N,) bool."""
+def without(
+    problem: TeamProblem, found: Identification, robots: np.ndarray, *, also_to: bool
+) -> Identification:
+    """Return identities without the bearings of some robots, (N,) bool, or also those to them."""
     drop = np.repeat(robots, np.diff(problem.start))
+    if also_to:
+        drop = drop | ((found.owner >= 0) & robots[found.owner])
     return replace(
         found,
         owner=np.where(drop, -1, found.owner),
