@@ -16,7 +16,8 @@ pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
-from robot_messages import statuses
+from robot_messages import S, statuses, time_of
+from rosgraph_msgs.msg import Clock
 from team_scene import POLES, POSES, TeamVoices, write_landmarks
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -254,6 +255,24 @@ def test_map_to_odom_comes_from_the_team_where_that_is_wanted(localizer, peer) -
     team.go_on(is_sent)
     off = T_map_odom.between(found[-1])
     assert off.distance < 6.0 * NEAR_RAD + NEAR_M and abs(off.yaw) < NEAR_RAD
+
+
+def test_a_clock_that_jumps_back_begins_all_anew(localizer, peer) -> None:
+    node = localizer("r1", "-p", "use_sim_time:=true")
+    own = peer.collect(PoseWithCovarianceStamped, "/r1/team_pose", 10)
+    clock = peer.publisher(Clock, "/clock", 10, to=node)
+    team = Team(peer, node)
+    for start_s in (200, 10):
+        own.clear()
+        stamp_ns = start_s * S
+        while sum(msg.header.stamp.sec <= start_s + 90 for msg in own) < 3:
+            stamp_ns += S // 10
+            assert stamp_ns < (start_s + 90) * S
+            clock.publish(Clock(clock=time_of(stamp_ns)))
+            team.voices.say(stamp_ns)
+            peer.spin(ROUND_S)
+        assert is_near(estimate_from_msg(own[-1]).pose, "r1")
+    assert own[-1].header.stamp.sec < 100
 
 
 def test_two_robots_of_one_name_are_not_believed(localizer, peer, make_peer) -> None:
