@@ -9,8 +9,10 @@ from multi_localizer.team_identify import identify, refine
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import explained_share, relocate_lost
 from multi_localizer.team_state import Identification
+from multi_localizer.team_trust import needed_trust, trust
 
 _MANY = 400  # bearings: of more, a search that gains little is the last
+_HOPELESS = 0.1  # so far below the trust needed no search for single robots helps
 _GAIN = 1.003
 
 
@@ -23,6 +25,9 @@ def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
     """
     found = identify(problem, problem.has_prior.astype(float), config)
     best = found
+    is_large = len(problem.bearings) > _MANY
+    if is_large and trust(problem, found) < needed_trust(problem, config) - _HOPELESS:
+        return found
     for _ in range(config.max_searches):
         share = explained_share(problem, found)
         has_views = np.diff(problem.start) >= config.least_views
@@ -36,7 +41,7 @@ def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
         is_better = num_explained(found) > num_explained(best)
         is_much = num_explained(found) > num_explained(best) * _GAIN
         best = found if is_better else best
-        if not is_much and len(problem.bearings) > _MANY:
+        if is_large and not is_much:
             break
     return best
 

@@ -18,6 +18,7 @@ from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_state import PLAIN
 
 _TOUCHING = 0.05  # m beyond the robot's radius
+_NEAR_SD = 2.0  # deviations of the robot's place
 
 
 def place_alone(problem: TeamProblem, mark_seen: np.ndarray, prior_weight: np.ndarray) -> TeamFit:
@@ -72,3 +73,20 @@ def without_touched_marks(problem: TeamProblem, config: TeamConfig) -> TeamProbl
         mark_var=problem.mark_var[~near],
         notes=(*problem.notes, *notes),
     )
+
+
+def telling_marks(
+    problem: TeamProblem, mark_seen: np.ndarray, prior_weight: np.ndarray
+) -> np.ndarray:
+    """Return landmarks without those so near that a robot alone may be on any side of them, (K,).
+
+    Within two deviations of the robot's place the bearing's direction is not linear in it, and
+    the covariance of a fit would be too small.
+    """
+    fit = place_alone(problem, np.full(len(mark_seen), -1, dtype=np.int64), prior_weight)
+    var = np.diag(fit.cov).reshape(-1, 3)[problem.mark_robot]
+    sd = np.sqrt(np.maximum(var[:, 0], var[:, 1]))
+    arm = problem.marks[mark_seen] - fit.poses[problem.mark_robot, :2]
+    is_near = np.hypot(arm[:, 0], arm[:, 1]) < _NEAR_SD * sd
+    has_prior = problem.has_prior[problem.mark_robot]
+    return np.where(is_near & has_prior, -1, mark_seen)

@@ -15,7 +15,7 @@ from multi_localizer.team_objects import locate_objects
 from multi_localizer.team_observability import unknown_poses, words
 from multi_localizer.team_problem import TeamProblem, make_problem
 from multi_localizer.team_settle import settle
-from multi_localizer.team_single import without_touched_marks
+from multi_localizer.team_single import telling_marks, without_touched_marks
 from multi_localizer.team_state import Identification
 from multi_localizer.team_trust import doubted, liars, needed_trust, trust, without
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
@@ -56,7 +56,10 @@ def _believed(
         everyone = np.ones(problem.num_robots, dtype=np.bool_)
         note = f"identities could not be settled (trust {value:.2f}): each robot is placed alone"
         alone = without(problem, found, everyone, also_to=True)
-        return replace(alone, prior_weight=problem.has_prior.astype(float)), (), (note,)
+        weight = problem.has_prior.astype(float)
+        if len(problem.marks):
+            alone = replace(alone, mark_seen=telling_marks(problem, alone.mark_seen, weight))
+        return replace(alone, prior_weight=weight), (), (note,)
     lying = liars(problem, found, config)
     moved = problem.has_prior & (found.prior_weight == 0.0)
     names = np.array(problem.names)
