@@ -120,6 +120,8 @@ class FloorShapeFitter:
         found = self._coarse(border, guess)
         fits = [self._polished(border, start, offset) for start, offset, cost in found
                 if 1.0 - cost >= self.config.rival * (1.0 - found[0][2])]  # fmt: skip
+        if not fits:
+            return _none("the border fits no pose on the plan"), NOWHERE
         best, behind = fits[0]
         if best.problem:
             return best, behind
