@@ -71,7 +71,7 @@ def _write_parameters(path: Path) -> Path:
     """Write what the nodes of all robots are told; the same file serves each."""
     camera = {"camera_model": "soccer_middle_size"}
     place = {"landmarks": "middle_size_field"}
-    team = {"team": list(ROBOTS), "pose_topic": "landmark_pose", "bearing_sd_rad": 0.01}
+    team = {"team": list(ROBOTS), "pose_topic": "landmark_pose", "bearing_sd_rad": 0.005}
     told = {
         "marker_detector": camera,
         "landmark_localizer": camera | place,
