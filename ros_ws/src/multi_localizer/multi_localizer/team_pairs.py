@@ -133,52 +133,40 @@ def pair_likelihoods(
         for j in range(i + 1, n):
             phi, s11, s12, s22, more = direction_covariance(x, cov, i, j)
             h1, h2 = phi - x[i, 2], phi + np.pi - x[j, 2]
-            e1 = e2 = w1 = w2 = 0.0
-            for k in range(start[i], start[i + 1]):
-                if seen[k] == j:
-                    e1 = wrap(bearings[k] - h1)
-                    w1 = robust_weight(e1 * e1 / var[k], limit) / var[k]
-            for k in range(start[j], start[j + 1]):
-                if seen[k] == i:
-                    e2 = wrap(bearings[k] - h2)
-                    w2 = robust_weight(e2 * e2 / var[k], limit) / var[k]
+            e1, w1 = _own_use(i, j, h1, start, bearings, var, seen, limit)
+            e2, w2 = _own_use(j, i, h2, start, bearings, var, seen, limit)
             if w1 > 0.0 or w2 > 0.0:
                 s11, s12, s22, r1, r2 = without_own(s11, s12, s22, e1, e2, w1, w2)
                 h1, h2 = h1 + e1 - r1, h2 + e2 - r2
             most = 0.999 * np.sqrt(s11 * s22)
             s11, s12, s22 = s11 + more, min(max(s12, -most), most) + more, s22 + more
             counts[i, j] = nearest_bearings(
-                candidates[i, j],
-                start[i],
-                start[i + 1],
-                bearings,
-                var,
-                known,
-                j,
-                h1,
-                s11,
-                gate,
+                candidates[i, j], start[i], start[i + 1], bearings, var, known, j, h1, s11, gate,
                 distances,
-            )
+            )  # fmt: skip
             counts[j, i] = nearest_bearings(
-                candidates[j, i],
-                start[j],
-                start[j + 1],
-                bearings,
-                var,
-                known,
-                i,
-                h2,
-                s22,
-                gate,
+                candidates[j, i], start[j], start[j + 1], bearings, var, known, i, h2, s22, gate,
                 distances,
-            )
+            )  # fmt: skip
             weigh_pair(
                 likelihoods[i, j], candidates[i, j, : counts[i, j]],
                 candidates[j, i, : counts[j, i]], bearings, var, h1, h2, s11, s12, s22,
                 visible[i, j], detected, clutter,
             )  # fmt: skip
     return candidates, counts, likelihoods
+
+
+@numba.njit(cache=True)
+def _own_use(
+    i: int, j: int, expected: float, start: np.ndarray, bearings: np.ndarray, var: np.ndarray,
+    seen: np.ndarray, limit: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Return innovation and information of robot i's bearing that counted as j's; 0, 0 for none."""
+    for k in range(start[i], start[i + 1]):
+        if seen[k] == j:
+            e = wrap(bearings[k] - expected)
+            return e, robust_weight(e * e / var[k], limit) / var[k]
+    return 0.0, 0.0
 
 
 @numba.njit(cache=True)

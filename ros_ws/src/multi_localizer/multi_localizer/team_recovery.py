@@ -62,25 +62,14 @@ def relocate_lost(
     is_lost[lost] = True
     share = explained_share(problem, found)
     for u in lost:
-        is_open = (owner < 0) | (owner == u) | (owners == u)
-        table = nearest_table(problem.start, problem.bearings, is_open)
         is_lost[u] = False
-        is_placed = _placed(cov) & ~is_lost
-        is_placed[u] = False
-        pose = None
-        if is_placed.sum() >= _LEAST_PLACED:
-            is_wide = weight[u] == 0.0 or share[u] < _LITTLE
-            search = _Search(
-                problem,
-                x,
-                cov,
-                int(u),
-                table,
-                is_placed,
-                bool(weight[u] > 0.0),
-                bool(_placed(cov)[u]),
-            )
-            pose = search.better_pose(is_wide)
+        is_open = (owner < 0) | (owner == u) | (owners == u)
+        is_wide = weight[u] == 0.0 or share[u] < _LITTLE
+        search = _Search(
+            problem, x, cov, int(u), nearest_table(problem.start, problem.bearings, is_open),
+            _placed(cov) & ~is_lost & (np.arange(len(x)) != u), bool(weight[u] > 0.0),
+        )  # fmt: skip
+        pose = search.better_pose(is_wide)
         if pose is None:
             continue
         num_moved += 1
@@ -123,11 +112,12 @@ class _Search:
     table: np.ndarray
     is_placed: np.ndarray
     has_prior: bool
-    is_known: bool
 
     def better_pose(self, is_wide: bool) -> np.ndarray | None:
         """Return a pose that explains more than the present one, (3,); None if there is none."""
-        now = self.score(self.x[self.u]) if self.is_known else -np.inf
+        if self.is_placed.sum() < _LEAST_PLACED:
+            return None
+        now = self.score(self.x[self.u]) if _placed(self.cov)[self.u] else -np.inf
         if self.has_prior:
             prior = self.problem.prior[self.u]
             sd = np.sqrt(np.diag(np.linalg.inv(self.problem.prior_info[self.u])))
