@@ -230,6 +230,8 @@ def _short(got: list[Outcome], old: list[Outcome]) -> dict[str, Any]:
         "rms_theta_deg": float(np.degrees(yaw)),
         "failures": sum(o.has_failed for o in got),
         "refused": sum(bool(o.problem) for o in got),
+        "wrong_and_sure": sum(o.has_failed and not o.problem and not o.is_ambiguous for o in got),
+        "ambiguous": sum(o.is_ambiguous for o in got),
         "poses": len(got),
         "published_rms_m": float(np.hypot(old_x, old_y)),
         "published_failures": sum(o.has_failed for o in old),

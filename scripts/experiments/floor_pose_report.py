@@ -102,11 +102,13 @@ def _bounds(values: Values) -> Table:
 
 def _sweep(rows: list[dict[str, Any]], key: str, title: str, name: str = "") -> Table:
     header = [*([name] if name else []), title, "RMS mm", "x mm", "y mm", "deg", "failures",
-              "of them refused", "poses", "published: RMS mm", "failures"]  # fmt: skip
+              "refused", "wrong and sure",
+              "ambiguous", "poses", "published: RMS mm", "failures"]  # fmt: skip
     return Table(header, [
         [*([r[name]] if name else []), r[key], round(1e3 * r["rms_m"], 2),
          round(1e3 * r["rms_x_m"], 2), round(1e3 * r["rms_y_m"], 2),
-         round(r["rms_theta_deg"], 3), r["failures"], r["refused"], r["poses"],
+         round(r["rms_theta_deg"], 3), r["failures"], r["refused"], r["wrong_and_sure"],
+         r["ambiguous"], r["poses"],
          round(1e3 * r["published_rms_m"], 1), r["published_failures"]]
         for r in rows
     ])  # fmt: skip

@@ -61,11 +61,13 @@ class Outcome:
         error: dx, dy, dyaw of the estimate less the truth, (3,); NaN without one.
         cov: What it said, (3, 3); NaN without one.
         problem: Why there is none.
+        is_ambiguous: Whether it said that poses elsewhere fit nearly as well.
     """
 
     error: np.ndarray
     cov: np.ndarray
     problem: str = ""
+    is_ambiguous: bool = False
 
     @property
     def has_failed(self) -> bool:
@@ -84,7 +86,9 @@ def judge(fit: FloorFit, truth: SE2) -> Outcome:
     if fit.problem:
         return Outcome(np.full(3, np.nan), np.full((3, 3), np.nan), fit.problem)
     best = min(fit.candidates[:NUM_MATES], key=lambda c: abs(difference(c.pose, truth)[2]))
-    return Outcome(difference(best.pose, truth), best.cov)
+    return Outcome(
+        difference(best.pose, truth), best.cov, is_ambiguous=len(fit.candidates) > NUM_MATES
+    )
 
 
 def judge_published(view: View, camera: FloorCamera, plan: FloorPlan) -> Outcome:

@@ -157,9 +157,10 @@ def test_the_report_needs_no_pose_at_all():
     """A sweep where every pose was refused has NaN for errors, and is told, not hidden."""
     row = {
         "share": 0.6, "rms_m": math.nan, "rms_x_m": math.nan, "rms_y_m": math.nan,
-        "rms_theta_deg": math.nan, "failures": 3, "refused": 3, "poses": 3,
+        "rms_theta_deg": math.nan, "failures": 3, "refused": 3, "wrong_and_sure": 0,
+        "ambiguous": 0, "poses": 3,
         "published_rms_m": 0.1, "published_failures": 1,
     }  # fmt: skip
     table = floor_pose_report._sweep([row], "share", "share hidden")
-    assert table.rows[0][5:8] == [3, 3, 3]
+    assert table.rows[0][5:9] == [3, 3, 0, 0]
     assert floor_pose_bounds.PAIR_NOISE_PX == 0.3

@@ -24,7 +24,7 @@ class FloorFitConfig:
         unit="px", ge=0.0,
     )  # fmt: skip
     coarse_m: float = param(
-        0.05, "Where a pixel covers more of the floor than this, wall_sd_px grows in proportion: "
+        0.07, "Where a pixel covers more of the floor than this, wall_sd_px grows in proportion: "
         "lines and shadows near the wall melt into it.", unit="m", gt=0.0,
     )  # fmt: skip
     gate_sd: float = param(
@@ -35,7 +35,7 @@ class FloorFitConfig:
         gt=0.0,
     )  # fmt: skip
     max_hidden: float = param(
-        0.65, "No pose if more than this share of the directions shows no wall.", gt=0.0, lt=1.0
+        0.72, "No pose if more than this share of the directions shows no wall.", gt=0.0, lt=1.0
     )
     rival: float = param(
         0.7, "A second pose that so much of the border fits as well is a candidate too.",

@@ -26,7 +26,7 @@ from multi_localizer.floor_moments import polygon_moments
 from multi_localizer.floor_plan import FloorPlan
 from multi_localizer.floor_polish import polish
 from multi_localizer.floor_rays import BorderRays, BorderScanner
-from multi_localizer.floor_search import places_of, search
+from multi_localizer.floor_search import places_of, search, slides
 from multi_localizer.pose_estimate import PoseEstimate, difference, moved
 
 REACH = 1.02
@@ -34,7 +34,7 @@ MIN_PIECES = 24
 MIN_BEHIND, BEHIND_PX = 4, 3.0
 COARSE_PIECES = 160
 COARSE_STEPS, POLISH_STEPS = 20, 5
-SPREAD_PX = 1.0
+FIRST_PX, FINE_PX, SPREAD_PX = 36.0, 4.0, 1.0
 SURE_COST, GOOD_COST = 0.4, 0.6
 SAME_M, SAME_RAD = 0.1, 0.1
 NOWHERE = np.empty(0, dtype=np.int64)
@@ -139,10 +139,13 @@ class FloorShapeFitter:
             if found and found[0][2] < SURE_COST and is_even:
                 break
             self._add(found, border, step, start)
-        if found and found[0][2] < GOOD_COST:
-            return found
-        for start in search(border.values, self.walls, self._places):
-            self._add(found, border, step, start)
+        if not found or found[0][2] >= GOOD_COST:
+            for start in search(border.values, self.walls, self._places):
+                self._add(found, border, step, start)
+        if found and found[0][2] >= SURE_COST:
+            pose, offset, _ = found[0]
+            for start in slides(border.values, self.walls, pose, offset, self.plan.reach):
+                self._add(found, border, step, start, FINE_PX)
         return found
 
     def _add(
@@ -151,9 +154,12 @@ class FloorShapeFitter:
         border: BorderRays,
         step: int,
         start: np.ndarray,
+        first_px: float = FIRST_PX,
     ) -> None:
         """Fit from a start and keep what is new."""
-        pose, offset, cost = anneal(border.values, step, start, self.walls, SPREAD_PX, COARSE_STEPS)
+        pose, offset, cost = anneal(
+            border.values, step, start, self.walls, first_px, SPREAD_PX, COARSE_STEPS
+        )
         if not np.isfinite(pose).all():
             return
         here = SE2(*pose)

@@ -15,8 +15,8 @@ import numpy as np
 NUM_VALUES = 7
 """Columns of the residuals: z, dz/dx, dz/dy, dz/dyaw, wall, rho of the wall, share."""
 BEHIND = 5.0  # how much farther off a piece behind its wall still counts
-FIRST_SPREAD, FALL = 60.0, 0.6
-"""Residual that halves a weight in the beginning, px, and how it falls with every step."""
+BEHIND_COST = 3.0  # of a piece behind its wall, 1 for one that is hidden
+FALL = 0.6  # of the residual that halves a weight, with every step
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
@@ -135,7 +135,7 @@ def _eliminate(H, b, own, sums, counts, prior):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def anneal(values, step, start, walls, spread, num_iterations):  # type: ignore[no-untyped-def]
+def anneal(values, step, start, walls, first, spread, num_iterations):  # type: ignore[no-untyped-def]
     """Find a pose near another one by weights that fall with the residual, less and less gently.
 
     Args:
@@ -143,16 +143,18 @@ def anneal(values, step, start, walls, spread, num_iterations):  # type: ignore[
         step: Every so many pieces count.
         start: Pose to begin with, (3,).
         walls: As in `residuals`.
-        spread: Residual that halves a weight in the end, pixels.
+        first: Residual that halves a weight in the beginning, pixels.
+        spread: The same in the end.
         num_iterations: Steps at most.
 
     Returns:
-        The pose (3,), the border's offset, and the cost: 0 all border fits, 1 none does.
+        The pose (3,), the border's offset, and the cost: 0 all border fits, 1 all is hidden; floor
+        behind walls costs more.
     """
     pose, offset, cost = start.copy(), 0.0, 1.0
     rows = np.empty((len(values) // step + 1, NUM_VALUES))
     weights = np.empty(len(rows))
-    scale = FIRST_SPREAD
+    scale = first / FALL
     for _ in range(num_iterations):
         num = residuals(values, step, pose, walls, rows)
         off = np.abs(rows[:num, 0] - offset)
@@ -166,7 +168,8 @@ def anneal(values, step, start, walls, spread, num_iterations):  # type: ignore[
             ratio *= ratio
             weights[i] = rows[i, 6] / (1.0 + ratio) ** 2 if ratio < 25.0 else 0.0
             ratio = (off[i] / spread) ** 2
-            cost += rows[i, 6] * (ratio / (1.0 + ratio) if ratio < 1e9 else 1.0)
+            part = ratio / (1.0 + ratio) if ratio < 1e9 else 1.0
+            cost += rows[i, 6] * (part * BEHIND_COST if rows[i, 0] < offset - spread else part)
             total += rows[i, 6]
         cost /= total
         H, b = normal_equations(rows[:num], weights[:num], 1.0, 1.0, 0.0, 1.0, len(walls))
