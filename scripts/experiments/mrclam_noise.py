@@ -2,8 +2,9 @@
 
 Each robot is located by landmarks alone; its bearings to other robots are withheld and only asked
 how likely they were. What they say depends on the poses of both robots, so their likelihood is
-greatest where the poses are best and their covariances true. Values were chosen by searching each
-in turn for the greatest mean log density; the table has it for half and for twice each value.
+greatest where the poses are best and their covariances true. Values were chosen by searching one
+after another for the greatest mean log density, and rounded; the table has it for half and for
+twice each value. Deviations at the start (`scale_sd`, `drag_sd`) and `offset_walk` were set by hand.
 """
 
 from __future__ import annotations

@@ -17,17 +17,17 @@ _MARGIN_M = 1.0
 
 
 def draw_ways(path: Path, recording: TeamRecording, tracks: Mapping[str, Track]) -> Path:
-    """Draw a row a robot and a column a method: the true way in black, the estimate over it."""
+    """Draw a row a method and a column a robot: the true way in black, the estimate over it."""
     logs = recording.robots
-    figure, grid = _figure(len(logs), len(tracks), (3.4 * len(tracks), 4.6 * len(logs)))
+    figure, grid = _figure(len(tracks), len(logs), (2.5 * len(logs), 4.0 * len(tracks)))
     points = np.array(list(recording.landmarks.values()))
-    for row, (robot, log) in enumerate(logs.items()):
-        for column, (method, track) in enumerate(tracks.items()):
+    for column, (robot, log) in enumerate(logs.items()):
+        for row, (method, track) in enumerate(tracks.items()):
             axes = grid[row][column]
             is_late = track.times - recording.start >= SKIP_S
             truth = log.truth_at(track.times)[is_late]
             axes.plot(truth[:, 0], truth[:, 1], color="black", lw=0.8)
-            poses = track.poses[is_late, row]
+            poses = track.poses[is_late, column]
             poses = np.where(np.isfinite(truth[:, :1]), poses, np.nan)
             axes.plot(poses[:, 0], poses[:, 1], color=_COLORS[method], lw=0.9)
             axes.plot(*points.T, "k^", ms=3)
