@@ -8,6 +8,7 @@ import re
 import shutil
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,8 @@ AHEAD_S = 0.7
 BAD_LINE = ("--loss", "0.15", "--delay", "0.01", "--double", "0.2", "--seed", "1")
 NEAR_M = 0.15
 NO_HOSTS = why_not()
+if NO_HOSTS:  # pytest prints warnings, and reasons of skips only with -rs
+    warnings.warn(f"NOT TESTED between separate hosts: {NO_HOSTS}", stacklevel=1)
 needs_hosts = pytest.mark.skipif(
     bool(NO_HOSTS), reason=f"NOT TESTED between separate hosts: {NO_HOSTS}"
 )
