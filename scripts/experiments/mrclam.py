@@ -159,7 +159,7 @@ def _sections(
             _TEXTS[row], f"{e.yaw_deg.mean():.1f}", f"{e.worst.max():.2f}",
             " ".join(f"{v:.2f}" for v in e.located_share),
             " ".join(f"{v:.0f}" for v in e.first_s),
-            " ".join(f"{v:.1f}" for v in e.nees), f"{np.mean(e.sure_share):.2f}",
+            " ".join(_number(v, 1) for v in e.nees), _number(float(np.mean(e.sure_share)), 2),
         ]
         for row, e in ((row, errors[row]) for row in _TEXTS)
     ]  # fmt: skip
@@ -174,6 +174,10 @@ def _sections(
         Section("Who is who", [_who(tracks["team_nameless"], triangles)]),
         Section("What the sensors do wrong, as estimated at the end", [_wrong(tracks["team"])]),
     ]  # fmt: skip
+
+
+def _number(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if np.isfinite(value) else "-"
 
 
 def _who(track: Track, triangles: Triangles) -> str:
