@@ -7,6 +7,7 @@ of the executor's compiled code may end the process by abort(). The loop looks f
 
 from __future__ import annotations
 
+import faulthandler
 import inspect
 import sys
 import traceback
@@ -24,6 +25,7 @@ from floornav_common.ros.parameters import ParameterError
 from floornav_common.stop_signals import StopSignals
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
+_ENDING_S = 20.0  # Fast DDS was once seen to wait for itself for ever while a node was destroyed
 _SPIN_S = 0.5  # spin() and spin_once(None) of the wheels' EventsExecutor never return
 _BAD_START = ("RCLError", "RCLInvalidROSArgsError", "UnknownROSArgsError", "InvalidNodeNameError")
 
@@ -88,10 +90,22 @@ def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | No
         traceback.print_exc()
         return EXIT_FAILED
     finally:
+        _leave(nodes)
+    return EXIT_OK
+
+
+def _leave(nodes: Sequence[Node]) -> None:
+    """Destroy nodes and leave the graph; a process that hangs there says where, and exits with 1.
+
+    The watch needs no lock of the interpreter, which the code that hangs may hold.
+    """
+    faulthandler.dump_traceback_later(_ENDING_S, exit=True, file=sys.__stderr__)
+    try:
         for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
-    return EXIT_OK
+    finally:
+        faulthandler.cancel_dump_traceback_later()
 
 
 def node_classes(module: ModuleType) -> list[type[Node]]:
