@@ -13,7 +13,7 @@ from multi_localizer.team_recovery import explained_share, relocate_lost
 from multi_localizer.team_state import Identification
 from multi_localizer.team_trust import needed_trust, trust
 
-_MANY = 400  # bearings: of more, a search that gains little is the last
+_MANY = 700  # bearings: of more, a search that gains little is the last
 _HOPELESS = 0.1  # so far below the trust needed no search for single robots helps
 _ENOUGH = 0.98  # share of the bearings that is explained if all went well
 _GAIN = 1.003
