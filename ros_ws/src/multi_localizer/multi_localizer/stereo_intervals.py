@@ -1,0 +1,131 @@
+"""One-sided interval-segmented DP matching (stereo paper, section 2).
+
+The rows of the left image alone are cut into intervals where color changes, so that no interval
+should lie on two surfaces. Each is matched to the right row by DP on its own, stretched or
+shrunk by at most one pixel a column; two intervals may so stand in the other order in the right
+image. An interval whose DP score is bad is hidden from the right camera and goes on as the interval
+before it (its left neighbor): what a nearer object hides from the right camera lies to its left.
+
+The paper's rule for cutting is in its reference 3, which the text does not contain; here a cut lies
+at every local maximum of the color gradient along the row above a threshold.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def cut_row(colors, threshold, ends):  # type: ignore[no-untyped-def]
+    """Fill in the column after the last one of each interval of a row; return how many there are.
+
+    Args:
+        colors: (W, C), uint8.
+        threshold: Least change from a column to the next, of the channel that changes most.
+        ends: (W,), int32.
+    """
+    width = len(colors)
+    num, before, here = 0, 0, 0
+    for x in range(1, width + 1):
+        after = _change(colors, x) if x < width else 0  # `here` is the change into column x - 1
+        if here >= threshold and here >= before and here > after:
+            ends[num] = x - 1
+            num += 1
+        before, here = here, after
+    ends[num] = width
+    return num + 1
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _change(colors: np.ndarray, x: int) -> int:
+    change = 0
+    for c in range(colors.shape[1]):
+        change = max(change, int(abs(np.int64(colors[x, c]) - np.int64(colors[x - 1, c]))))
+    return change
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def match_intervals(  # type: ignore[no-untyped-def]
+    start, stop, costs, colors, threshold, stretch, worst, out, is_hidden
+):
+    """Fill in disparities of rows `start` to `stop`, and which pixels belong to hidden intervals.
+
+    Args:
+        start: First row.
+        stop: Row after the last one.
+        costs: (H, W, D), uint8.
+        colors: Of the left image, (H, W, C), uint8.
+        threshold: Of the cuts.
+        stretch: Cost of a disparity that changes by 1 from one column to the next.
+        worst: An interval is hidden if its score, the mean cost a column, is above this.
+        out: (H, W), float32.
+        is_hidden: (H, W), bool.
+    """
+    width, num = costs.shape[1], costs.shape[2]
+    sums = np.empty((width, num), dtype=np.int32)
+    ends = np.empty(width, dtype=np.int32)
+    for y in range(start, stop):
+        first = 0
+        for k in range(cut_row(colors[y], threshold, ends)):
+            end = ends[k]
+            score = match_interval(first, end, costs[y], stretch, sums, out[y])
+            is_hidden[y, first:end] = score > worst * (end - first)
+            first = end
+        go_on(out[y], is_hidden[y])
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def match_interval(first, end, costs, stretch, sums, out):  # type: ignore[no-untyped-def]
+    """Fill in disparities of columns `first` to `end` of a row; return the sum of the best path."""
+    for d in range(costs.shape[1]):
+        sums[first, d] = costs[first, d]
+    for x in range(first + 1, end):
+        _extend(costs[x], sums[x - 1], stretch, sums[x])
+    d = np.argmin(sums[end - 1])
+    score = sums[end - 1, d]
+    for k in range(end - first - 1):
+        x = end - 1 - k
+        out[x] = d
+        d += _step_back(sums[x - 1], d, stretch)
+    out[first] = d
+    return score
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _extend(cost, before, stretch, after):  # type: ignore[no-untyped-def]
+    last = len(after) - 1
+    after[0] = cost[0] + min(before[0], before[min(1, last)] + stretch)
+    for d in range(1, last):
+        aside = np.int32(min(before[d - 1], before[d + 1]) + stretch)
+        after[d] = np.int32(min(before[d], aside) + np.int32(cost[d]))
+    after[last] = cost[last] + min(before[last], before[max(last - 1, 0)] + stretch)
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _step_back(before, d, stretch):  # type: ignore[no-untyped-def]
+    """Return how the disparity changed on the way to column x, seen from there."""
+    best, step = before[d], 0
+    if d > 0 and before[d - 1] + stretch < best:
+        best, step = before[d - 1] + stretch, -1
+    if d + 1 < len(before) and before[d + 1] + stretch < best:
+        step = 1
+    return step
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def go_on(disparities, is_hidden):  # type: ignore[no-untyped-def]
+    """Let hidden intervals go on as what lies before them; those at a row's start as what follows.
+
+    Args:
+        disparities: Of a row, (W,), float32.
+        is_hidden: (W,), bool.
+    """
+    known = np.float32(np.nan)
+    for x in range(len(disparities)):
+        if not is_hidden[x]:
+            if np.isnan(known):
+                disparities[:x] = disparities[x]
+            known = disparities[x]
+        else:
+            disparities[x] = known
