@@ -181,7 +181,9 @@ def _number(value: float, digits: int) -> str:
 
 
 def _who(track: Track, triangles: Triangles) -> str:
-    total = max(track.num_right + track.num_wrong + track.num_open, 1)
+    total = track.num_right + track.num_wrong + track.num_open
+    if total == 0:
+        return "No robot that takes part sees another."
     return (
         f"Of {total} bearings to robots without names geometry tells {track.num_right / total:.1%} "
         f"rightly, {track.num_wrong / total:.2%} wrongly and leaves the rest open. The published "
