@@ -68,7 +68,7 @@ def match_intervals(  # type: ignore[no-untyped-def]
     for y in range(start, stop):
         first = 0
         for k in range(cut_row(colors[y], threshold, ends)):
-            end = ends[k]
+            end = int(ends[k])
             score = match_interval(first, end, costs[y], stretch, sums, out[y])
             is_hidden[y, first:end] = score > worst * (end - first)
             first = end
