@@ -60,6 +60,7 @@ def test_a_late_teammate_is_waited_for_but_not_long() -> None:
     moment = due(inbox, T + 250 * MS)
     assert tuple(moment.sights) == ("r1", "r2")
     assert moment.missing == {"r3": "its nearest bearings were taken 0.10 s before"}
+    assert [r.counts["moments missed"] for r in inbox.robots.values()] == [0, 0, 1]
 
 
 def test_a_moment_comes_once_and_never_before_an_older_one() -> None:

@@ -120,6 +120,7 @@ class TeamInbox:
                 sights[name] = sight
             else:
                 missing[name] = self._with_clock(robot, sight)
+                robot.counts["moments missed"] += 1
         return Moment(stamp_ns, sights, missing)
 
     def clear(self) -> None:

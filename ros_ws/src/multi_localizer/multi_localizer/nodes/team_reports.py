@@ -97,9 +97,10 @@ class TeamReports:
     def robot_status(self, name: str) -> Status:
         """Return how one robot is, as seen from here."""
         robot, passed_ns = self._inbox.robots[name], self._node.time.read_ns()
-        values = {**_clock_values(robot), **{k: robot.counts[k] for k in sorted(robot.counts)}}
+        values: dict[str, object] = {k: robot.counts[k] for k in sorted(robot.counts)}
         clock = ""
         if name != self._own:
+            values |= _clock_values(robot)
             clock = clock_problem(robot.clock.offset, round(self._timing().max_skew_s * 1e9))
         if robot.problem:
             return Status(ERROR, robot.problem, values)
