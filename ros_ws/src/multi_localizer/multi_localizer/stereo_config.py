@@ -6,38 +6,60 @@ from dataclasses import dataclass
 
 from floornav_common.config import param, validate
 
-METHODS = ("interval_dp", "monotone_dp", "bm", "sgbm")
+METHODS = ("interval_dp", "monotone_dp", "ours", "bm", "sgbm")
 """Names of the matchers, as `StereoMatcherConfig.method` takes them."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class StereoMatcherConfig:
-    """How the images of a pair are matched. Costs are in units of the matching cost, 0 to 184."""
+    """How the images of a pair are matched. Costs are in units of the matching cost, 0 to 90."""
 
     method: str = param(
-        "interval_dp", "Interval DP of the stereo paper, monotone DP, or OpenCV's StereoBM and "
-        "StereoSGBM.", choices=METHODS, read_only=True,
+        "ours", "Interval DP of the stereo paper, monotone DP, the best of ours, or OpenCV's "
+        "StereoBM and StereoSGBM.", choices=METHODS, read_only=True,
     )  # fmt: skip
     num_disparities: int = param(
         64, "Disparities searched, from 0 up; a multiple of 16.", unit="px", ge=16, le=256,
         read_only=True,
     )  # fmt: skip
     support_rows: int = param(
-        5, "The costs of so many rows are averaged; odd.", unit="px", ge=1, le=31
+        5,
+        "interval_dp, monotone_dp: the costs of so many rows are averaged; odd.",
+        unit="px",
+        ge=1,
+        le=31,
     )
     cut_change: int = param(
         15, "interval_dp: change of color from a column to the next that ends an interval, of 255.",
         ge=1, le=255,
     )  # fmt: skip
     stretch: int = param(
-        50, "interval_dp: cost where the disparity changes by 1 from one column to the next.",
+        25, "interval_dp: cost where the disparity changes by 1 from one column to the next.",
         ge=0, le=10000,
     )  # fmt: skip
     hidden_score: float = param(
-        60.0, "interval_dp: an interval that costs more a column is hidden from the right camera.",
+        30.0, "interval_dp: an interval that costs more a column is hidden from the right camera.",
         ge=0.0, le=255.0,
     )  # fmt: skip
     occlusion: int = param(60, "monotone_dp: cost of a pixel that has no partner.", ge=0, le=10000)
+    small_step: int = param(
+        50, "ours: price of a disparity that changes by 1 from a pixel to the next.", ge=0, le=165
+    )
+    large_step: int = param(
+        120, "ours: price of a disparity that changes by more, where the gray is even.", ge=1,
+        le=165,
+    )  # fmt: skip
+    gray_scale: float = param(30.0, "ours: change of gray that halves large_step, of 255.", gt=0.0)
+    max_difference: int = param(
+        1, "ours: left pixels that want one right pixel may differ by so much, or are holes.",
+        unit="px", ge=0, le=256,
+    )  # fmt: skip
+    median_px: int = param(
+        5, "ours: side of the median window, 1 (none), 3 or 5.", unit="px", ge=1, le=5
+    )
+    fill_holes: bool = param(
+        True, "ours: holes take the farther one of the disparities beside them; false: no value."
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -45,5 +67,11 @@ class StereoMatcherConfig:
             raise ValueError(
                 f"num_disparities must be a multiple of 16, got {self.num_disparities}"
             )
-        if self.support_rows % 2 == 0:
-            raise ValueError(f"support_rows must be odd, got {self.support_rows}")
+        for name in ("support_rows", "median_px"):
+            if getattr(self, name) % 2 == 0:
+                raise ValueError(f"{name} must be odd, got {getattr(self, name)}")
+        if self.large_step < self.small_step:
+            raise ValueError(
+                f"large_step must be at least small_step, got {self.large_step} and "
+                f"{self.small_step}"
+            )

@@ -19,9 +19,10 @@ from numba.extending import intrinsic
 
 CENSUS_ROWS, CENSUS_COLUMNS = 3, 4
 """How far the census looks up and down, and to both sides, px."""
-CENSUS_SHIFT = 2
+CENSUS_SHIFT = 1
 """A bit of the census costs 2 to the power of this."""
-MAX_COLOR_COST = 60
+MAX_COLOR_COST = 30
+MAX_COST = 90
 
 
 @intrinsic
@@ -54,7 +55,12 @@ def features(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return what is compared of an image: census codes (H, W) uint32 and colors (H, W, 3)."""
     if image.ndim == 2:
         return census(image), np.repeat(image[:, :, None], 3, axis=2)
-    return census(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)), np.ascontiguousarray(image)
+    return census(gray_of(image)), np.ascontiguousarray(image)
+
+
+def gray_of(image: np.ndarray) -> np.ndarray:
+    """Return an image in gray, (H, W), uint8."""
+    return image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
 
 
 def census(gray: np.ndarray) -> np.ndarray:
@@ -134,5 +140,5 @@ def _add_color_costs(red, green, blue, reds, greens, blues, out):  # type: ignor
         a = np.uint16(max(red, reds[d]) - min(red, reds[d]))
         b = np.uint16(max(green, greens[d]) - min(green, greens[d]))
         c = np.uint16(max(blue, blues[d]) - min(blue, blues[d]))
-        total = np.uint16(np.uint16(np.uint16(a + b) + c) * np.uint16(11)) >> np.uint16(4)
+        total = np.uint16(np.uint16(np.uint16(a + b) + c) * np.uint16(11)) >> np.uint16(5)
         out[d] = np.uint8(out[d] + np.uint8(min(np.uint16(total), limit)))

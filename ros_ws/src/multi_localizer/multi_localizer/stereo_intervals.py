@@ -82,7 +82,7 @@ def match_interval(first, end, costs, stretch, sums, out):  # type: ignore[no-un
         sums[first, d] = costs[first, d]
     for x in range(first + 1, end):
         _extend(costs[x], sums[x - 1], stretch, sums[x])
-    d = np.argmin(sums[end - 1])
+    d = int(np.argmin(sums[end - 1]))
     score = sums[end - 1, d]
     for k in range(end - first - 1):
         x = end - 1 - k

@@ -9,10 +9,11 @@ import cv2
 import numpy as np
 
 from multi_localizer.stereo_config import StereoMatcherConfig
-from multi_localizer.stereo_cost import features, fill_costs
+from multi_localizer.stereo_cost import features, fill_costs, gray_of
 from multi_localizer.stereo_dp import match_monotone
 from multi_localizer.stereo_intervals import match_intervals
 from multi_localizer.stereo_opencv import match_bm, match_sgbm
+from multi_localizer.stereo_ours import first_column, match_ours
 
 
 class StereoMatcher:
@@ -52,21 +53,25 @@ class StereoMatcher:
         if method == "sgbm":
             return match_sgbm(left, right, num)
         costs = self._match_costs(left, right)
-        if method == "monotone_dp":
-            return self._monotone(costs)
-        return self._intervals(costs, left)
+        if method == "ours":
+            return match_ours(costs, gray_of(left), first_column(right), self.config)
+        costs = self._average(costs)
+        return self._monotone(costs) if method == "monotone_dp" else self._intervals(costs, left)
 
     def _match_costs(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
         shape = (*left.shape[:2], self.config.num_disparities)
         if self._costs.shape != shape:
             self._costs = np.empty(shape, dtype=np.uint8)
-            self._averaged = np.empty(shape, dtype=np.uint8)
         self._over_rows(fill_costs, shape[0], *features(left), *features(right), self._costs)
+        return self._costs
+
+    def _average(self, costs: np.ndarray) -> np.ndarray:
         if self.config.support_rows == 1:
-            return self._costs
-        flat = (shape[0], shape[1] * shape[2])
-        column = (1, self.config.support_rows)
-        cv2.blur(self._costs.reshape(flat), column, dst=self._averaged.reshape(flat))
+            return costs
+        if self._averaged.shape != costs.shape:
+            self._averaged = np.empty_like(costs)
+        column, flat = (1, self.config.support_rows), (len(costs), -1)
+        cv2.blur(costs.reshape(flat), column, dst=self._averaged.reshape(flat))
         return self._averaged
 
     def _monotone(self, costs: np.ndarray) -> np.ndarray:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from multi_localizer.stereo_cost import gray_of
+
 _FRACTIONS = 16.0  # OpenCV's disparities are in sixteenths of a pixel
 
 
@@ -17,7 +19,7 @@ def match_bm(left: np.ndarray, right: np.ndarray, num_disparities: int) -> np.nd
         num_disparities: Disparities searched.
     """
     matcher = cv2.StereoBM_create(numDisparities=num_disparities, blockSize=9)  # type: ignore[attr-defined]
-    return _padded(matcher, _gray(left), _gray(right), num_disparities)
+    return _padded(matcher, gray_of(left), gray_of(right), num_disparities)
 
 
 def match_sgbm(
@@ -57,7 +59,3 @@ def _padded(
     found = matcher.compute(*wide)[:, num_disparities:].astype(np.float32) / _FRACTIONS
     found[found < 0.0] = np.nan
     return found
-
-
-def _gray(image: np.ndarray) -> np.ndarray:
-    return image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
