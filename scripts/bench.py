@@ -37,6 +37,7 @@ JOBS = {
     "floor_localization": "from the floor mask to the pose, beside the published steps",
     "avoidance": "from a scan to a command, beside the same in plain numpy",
     "team": "poses and identities of 4 to 50 robots, beside solvers told who is who",
+    "stereo": "disparities of a pair, beside OpenCV's matchers",
     "messages": "images and grids to and from messages, and between processes",
 }
 HEADER = ["case", "median ms", "p99 ms", "peer", "peer ms", "ratio", "floor ms", "more"]

@@ -36,7 +36,7 @@ EXPERIMENTS = {
     "live-team": "four simulated robots see each other, each with its own nodes: errors live",
     "team-localization": "the team paper: 4 robots, then 3 to 50, beside robots alone and bounds",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
-    "stereo-matching": "disparities by DP beside OpenCV's: --pair LEFT RIGHT --gt FILE --scale S",
+    "stereo-matching": "disparities by DP beside OpenCV's: rendered pairs, or --pair LEFT RIGHT",
     "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
 }
 

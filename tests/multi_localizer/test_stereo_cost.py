@@ -1,7 +1,13 @@
 import numpy as np
 import pytest
 
-from multi_localizer.stereo_cost import MAX_COLOR_COST, census, matching_costs
+from multi_localizer.stereo_cost import (
+    MAX_COLOR_COST,
+    OUTSIDE_COST,
+    census,
+    first_column,
+    matching_costs,
+)
 
 
 def noise(shape, seed=0):
@@ -39,15 +45,23 @@ def test_color_cost_by_hand():
     right[..., 0] += 10
     right[..., 2] -= 6
     # (10 + 0 + 6) * 11 / 32, rounded down; no census bit is set in even images
-    assert np.unique(matching_costs(left, right, 16)).tolist() == [5]
+    assert np.unique(matching_costs(left, right, 16)[:, 15:]).tolist() == [5]
 
 
 def test_color_cost_is_cut_off():
     dark, bright = np.zeros((2, 20), np.uint8), np.full((2, 20), 255, np.uint8)
-    assert np.unique(matching_costs(dark, bright, 16)).tolist() == [MAX_COLOR_COST]
+    assert np.unique(matching_costs(dark, bright, 16)[:, 15:]).tolist() == [MAX_COLOR_COST]
 
 
-def test_left_of_its_first_column_the_right_image_goes_on_as_it_is_there():
+def test_what_lies_outside_of_the_right_image_costs_the_same_everywhere():
     left, right = noise((4, 24), 1), noise((4, 24), 2)
     costs = matching_costs(left, right, 16)
-    assert np.array_equal(costs[:, 3, 4:], np.repeat(costs[:, 3, 3:4], 12, axis=1))
+    assert np.unique(costs[:, 3, 4:]).tolist() == [OUTSIDE_COST]
+    assert np.unique(costs[:, 3, :4]).size > 4
+
+
+def test_an_image_begins_where_its_columns_differ():
+    image = np.random.default_rng(0).integers(0, 256, (5, 20), dtype=np.uint8)
+    assert first_column(image) == 0
+    assert first_column(np.pad(image, ((0, 0), (7, 0)), mode="edge")) == 7
+    assert first_column(np.zeros((5, 20), np.uint8)) == 0

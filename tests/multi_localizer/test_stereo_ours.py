@@ -2,7 +2,6 @@ import numpy as np
 
 from multi_localizer.stereo_config import StereoMatcherConfig
 from multi_localizer.stereo_matcher import StereoMatcher
-from multi_localizer.stereo_ours import first_column
 
 
 def matched(left, right, **settings):
@@ -44,10 +43,3 @@ def test_half_a_pixel_is_found():
     left, right = (fine[:, start : start + 240 : 2].astype(np.uint8) for start in (0, 15))
     found = matched(left, right)[:, 20:-10]
     assert abs(float(np.mean(found)) - 7.5) < 0.15
-
-
-def test_an_image_begins_where_its_columns_differ():
-    image = np.random.default_rng(0).integers(0, 256, (5, 20), dtype=np.uint8)
-    assert first_column(image) == 0
-    assert first_column(np.pad(image, ((0, 0), (7, 0)), mode="edge")) == 7
-    assert first_column(np.zeros((5, 20), np.uint8)) == 0

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multi_localizer.stereo_winners import pick_winners
+from multi_localizer.stereo_winners import pick_winners, refine
 
 
 def pick(sums, max_difference=1, first_right=0):
@@ -60,3 +60,13 @@ def test_winners_are_those_of_a_plain_search(seed, max_difference, first_right):
         is_seen = partner >= first_right and abs(min(wanted)[1] - d) <= max_difference
         assert np.isnan(found[x]) == (not is_seen)
         assert not is_seen or abs(found[x] - d) <= 0.5
+
+
+def test_whole_disparities_move_to_the_least_cost_and_holes_stay():
+    costs = np.full((1, 4, 6), 90, dtype=np.uint8)
+    costs[0, :, 1:4] = [40, 10, 20]
+    found = np.array([[2.0, np.nan, 3.0, 0.0]], dtype=np.float32)
+    refine(0, 1, costs, found)
+    assert found[0, 0] == pytest.approx(2 + 0.5 * 20 / 30)
+    assert np.isnan(found[0, 1])
+    assert found[0, 2:].tolist() == [3.0, 0.0]  # 3 is not the least, 0 has one neighbor only

@@ -30,23 +30,25 @@ class StereoMatcherConfig:
         le=31,
     )
     cut_change: int = param(
-        15, "interval_dp: change of color from a column to the next that ends an interval, of 255.",
+        25, "interval_dp: change of color from a column to the next that ends an interval, of 255.",
         ge=1, le=255,
     )  # fmt: skip
     stretch: int = param(
-        25, "interval_dp: cost where the disparity changes by 1 from one column to the next.",
+        15, "interval_dp: cost where the disparity changes by 1 from one column to the next.",
         ge=0, le=10000,
     )  # fmt: skip
     hidden_score: float = param(
-        30.0, "interval_dp: an interval that costs more a column is hidden from the right camera.",
+        25.0, "interval_dp: an interval that costs more a column is hidden from the right camera.",
         ge=0.0, le=255.0,
     )  # fmt: skip
-    occlusion: int = param(60, "monotone_dp: cost of a pixel that has no partner.", ge=0, le=10000)
+    monotone_step: int = param(
+        30, "monotone_dp: price of a step along one of the two rows alone.", ge=0, le=10000
+    )
     small_step: int = param(
-        50, "ours: price of a disparity that changes by 1 from a pixel to the next.", ge=0, le=165
+        30, "ours: price of a disparity that changes by 1 from a pixel to the next.", ge=0, le=165
     )
     large_step: int = param(
-        120, "ours: price of a disparity that changes by more, where the gray is even.", ge=1,
+        90, "ours: price of a disparity that changes by more, where the gray is even.", ge=1,
         le=165,
     )  # fmt: skip
     gray_scale: float = param(30.0, "ours: change of gray that halves large_step, of 255.", gt=0.0)
@@ -54,9 +56,16 @@ class StereoMatcherConfig:
         1, "ours: left pixels that want one right pixel may differ by so much, or are holes.",
         unit="px", ge=0, le=256,
     )  # fmt: skip
+    island_px: int = param(
+        200, "ours: pieces of fewer pixels are holes.", unit="px", ge=0, le=100000
+    )
     median_px: int = param(
         5, "ours: side of the median window, 1 (none), 3 or 5.", unit="px", ge=1, le=5
     )
+    mean_px: int = param(
+        7, "ours: side of the square that neighbors of nearly the same disparity are averaged "
+        "over; 1 for none.", unit="px", ge=1, le=31,
+    )  # fmt: skip
     fill_holes: bool = param(
         True, "ours: holes take the farther one of the disparities beside them; false: no value."
     )
@@ -67,7 +76,7 @@ class StereoMatcherConfig:
             raise ValueError(
                 f"num_disparities must be a multiple of 16, got {self.num_disparities}"
             )
-        for name in ("support_rows", "median_px"):
+        for name in ("support_rows", "median_px", "mean_px"):
             if getattr(self, name) % 2 == 0:
                 raise ValueError(f"{name} must be odd, got {getattr(self, name)}")
         if self.large_step < self.small_step:

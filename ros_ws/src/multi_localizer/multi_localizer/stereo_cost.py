@@ -5,8 +5,8 @@ than the neighbors: what exposure and vignetting leave alone) and the difference
 off where it says no more. The paper names no cost. Costs are bytes, contiguous in the disparity,
 so that every step over disparities is one vector instruction after the other.
 
-A disparity d pairs column x of the left image with column x - d of the right one; left of its
-first column the right image goes on as it is there.
+A disparity d pairs column x of the left image with column x - d of the right one; where that lies
+outside of the right image it costs as much as a bad match, `OUTSIDE_COST`.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ CENSUS_SHIFT = 1
 """A bit of the census costs 2 to the power of this."""
 MAX_COLOR_COST = 30
 MAX_COST = 90
+OUTSIDE_COST = 30
 
 
 @intrinsic
@@ -47,7 +48,7 @@ def matching_costs(left: np.ndarray, right: np.ndarray, num_disparities: int) ->
         (H, W, num_disparities), uint8.
     """
     costs = np.empty((*left.shape[:2], num_disparities), dtype=np.uint8)
-    fill_costs(0, len(left), *features(left), *features(right), costs)
+    fill_costs(0, len(left), *features(left), *features(right), 0, costs)
     return costs
 
 
@@ -56,6 +57,18 @@ def features(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if image.ndim == 2:
         return census(image), np.repeat(image[:, :, None], 3, axis=2)
     return census(gray_of(image)), np.ascontiguousarray(image)
+
+
+def first_column(image: np.ndarray) -> int:
+    """Return the column where an image begins whose first columns only repeat one another.
+
+    Such are blank borders that rectification left, and columns added for the search: what is
+    matched with them is not seen.
+    """
+    for x in range(image.shape[1] - 1):
+        if not np.array_equal(image[:, x], image[:, x + 1]):
+            return x
+    return 0
 
 
 def gray_of(image: np.ndarray) -> np.ndarray:
@@ -102,9 +115,12 @@ def _compare(neighbors, middle, bit, codes):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def fill_costs(  # type: ignore[no-untyped-def]
-    start, stop, left_codes, left_colors, right_codes, right_colors, costs
+    start, stop, left_codes, left_colors, right_codes, right_colors, first_right, costs
 ):
-    """Fill in the costs of rows `start` to `stop`."""
+    """Fill in the costs of rows `start` to `stop`.
+
+    `first_right` is the first column of the right image that shows anything.
+    """
     width, num = costs.shape[1], costs.shape[2]
     codes = np.empty(width + num, dtype=np.uint32)
     colors = np.zeros((3, width + num), dtype=np.uint8)
@@ -125,6 +141,7 @@ def fill_costs(  # type: ignore[no-untyped-def]
                 color[0], color[1], color[2], reds[k : k + num], greens[k : k + num],
                 blues[k : k + num], out,
             )  # fmt: skip
+            out[max(x - first_right + 1, 0) :] = OUTSIDE_COST
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)

@@ -9,11 +9,12 @@ import cv2
 import numpy as np
 
 from multi_localizer.stereo_config import StereoMatcherConfig
-from multi_localizer.stereo_cost import features, fill_costs, gray_of
+from multi_localizer.stereo_cost import features, fill_costs, first_column, gray_of
 from multi_localizer.stereo_dp import match_monotone
 from multi_localizer.stereo_intervals import match_intervals
 from multi_localizer.stereo_opencv import match_bm, match_sgbm
-from multi_localizer.stereo_ours import first_column, match_ours
+from multi_localizer.stereo_ours import match_ours
+from multi_localizer.stereo_winners import refine
 
 
 class StereoMatcher:
@@ -52,17 +53,22 @@ class StereoMatcher:
             return match_bm(left, right, num)
         if method == "sgbm":
             return match_sgbm(left, right, num)
-        costs = self._match_costs(left, right)
+        first_right = first_column(right)
+        costs = self._match_costs(left, right, first_right)
         if method == "ours":
-            return match_ours(costs, gray_of(left), first_column(right), self.config)
+            return match_ours(costs, gray_of(left), first_right, self.config)
         costs = self._average(costs)
-        return self._monotone(costs) if method == "monotone_dp" else self._intervals(costs, left)
+        is_monotone = method == "monotone_dp"
+        found = self._monotone(costs) if is_monotone else self._intervals(costs, left)
+        self._over_rows(refine, len(found), costs, found)
+        return found
 
-    def _match_costs(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    def _match_costs(self, left: np.ndarray, right: np.ndarray, first_right: int) -> np.ndarray:
         shape = (*left.shape[:2], self.config.num_disparities)
         if self._costs.shape != shape:
             self._costs = np.empty(shape, dtype=np.uint8)
-        self._over_rows(fill_costs, shape[0], *features(left), *features(right), self._costs)
+        seen = (*features(left), *features(right))
+        self._over_rows(fill_costs, shape[0], *seen, first_right, self._costs)
         return self._costs
 
     def _average(self, costs: np.ndarray) -> np.ndarray:
@@ -76,8 +82,8 @@ class StereoMatcher:
 
     def _monotone(self, costs: np.ndarray) -> np.ndarray:
         found = np.empty(costs.shape[:2], dtype=np.float32)
-        occlusion = np.int32(self.config.occlusion)
-        self._over_rows(match_monotone, len(found), costs, occlusion, found)
+        step = np.int32(self.config.monotone_step)
+        self._over_rows(match_monotone, len(found), costs, step, found)
         return found
 
     def _intervals(self, costs: np.ndarray, left: np.ndarray) -> np.ndarray:

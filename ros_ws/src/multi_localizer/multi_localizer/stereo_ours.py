@@ -2,7 +2,7 @@
 
 What it adds to the published rows: coherence from row to row (`stereo_paths`), a check that no two
 left pixels want the same right one at different distances, disparities between pixels
-(`stereo_winners`), and a median over what is left.
+(`stereo_winners`), small islands dropped, and a median and a mean over what is left.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from multi_localizer.stereo_config import StereoMatcherConfig
 from multi_localizer.stereo_fill import fill_from_farther
 from multi_localizer.stereo_paths import from_above, from_both_sides, jump_prices
+from multi_localizer.stereo_smooth import drop_islands, mean_within
 from multi_localizer.stereo_winners import pick_winners
 
 
@@ -32,24 +33,14 @@ def match_ours(
     prices = jump_prices(config.large_step, config.small_step, config.gray_scale)
     small, most = np.uint8(config.small_step), config.max_difference
     _sum_and_pick(costs, gray, small, prices, most, first_right, found)
+    found = drop_islands(found, config.island_px)
     is_hole = np.isnan(found)
     smooth = fill_from_farther(found)
     if config.median_px > 1:
         smooth = cv2.medianBlur(smooth, config.median_px)
+    smooth = mean_within(smooth, config.mean_px // 2, 1.0)
     smooth[is_hole] = np.nan
     return fill_from_farther(smooth) if config.fill_holes else smooth
-
-
-def first_column(image: np.ndarray) -> int:
-    """Return the column where an image begins whose first columns only repeat one another.
-
-    Such are blank borders that rectification left, and columns added for the search: what is
-    matched with them is not seen.
-    """
-    for x in range(image.shape[1] - 1):
-        if not np.array_equal(image[:, x], image[:, x + 1]):
-            return x
-    return 0
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)

@@ -39,7 +39,7 @@ def pick_winners(sums, max_difference, first_right, seen_right, out):  # type: i
         if abs(seen - d) > max_difference:
             out[x] = np.nan
         elif 0 < d < num - 1:
-            out[x] += _offset(sums[x, d - 1], sums[x, d], sums[x, d + 1])
+            out[x] += offset(sums[x, d - 1], sums[x, d], sums[x, d + 1])
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
@@ -66,8 +66,33 @@ def _least(sums):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def _offset(before, least, after):  # type: ignore[no-untyped-def]
-    """Return where between two pixels the least lies, by two lines of one slope, -0.5 to 0.5."""
+def offset(before, least, after):  # type: ignore[no-untyped-def]
+    """Return where between two pixels the least lies, by two lines of one slope, -0.5 to 0.5.
+
+    0 where the middle one is not the least.
+    """
     down, up = np.int64(before) - np.int64(least), np.int64(after) - np.int64(least)
+    if min(down, up) < 0:
+        return np.float32(0.0)
     steeper = max(down, up)
     return np.float32(0.0) if steeper == 0 else np.float32(0.5 * (down - up) / steeper)
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def refine(start, stop, costs, out):  # type: ignore[no-untyped-def]
+    """Move whole disparities of rows `start` to `stop` between pixels, to the least of the costs.
+
+    Args:
+        start: First row.
+        stop: Row after the last one.
+        costs: (H, W, D), uint8.
+        out: (H, W), float32, NaN in holes.
+    """
+    last = costs.shape[2] - 1
+    for y in range(start, stop):
+        for x in range(costs.shape[1]):
+            if np.isnan(out[y, x]):
+                continue
+            d = int(out[y, x])
+            if 0 < d < last:
+                out[y, x] += offset(costs[y, x, d - 1], costs[y, x, d], costs[y, x, d + 1])
