@@ -11,11 +11,10 @@ from floornav_common.se2 import SE2
 from multi_localizer.landmarks import Landmark
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.robot_inbox import ROBOTS, Classes
-from multi_localizer.team_answers import TeamAnswers, is_liar
+from multi_localizer.team_answers import TeamAnswers
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_inbox import TeamInbox
 from multi_localizer.team_node_config import TeamTimingConfig
-from multi_localizer.team_views import NOBODY, TeamSolution
 
 S = 1_000_000_000
 T = 100 * S
@@ -44,7 +43,8 @@ def bearings(name: str, t: float, places: list[np.ndarray]) -> np.ndarray:
     return np.array([math.atan2(y - camera.y, x - camera.x) - camera.yaw for x, y in places])
 
 
-def full_inbox(without_pose: str = "") -> TeamInbox:
+def full_inbox(without_pose: str = "", making_up: str = "") -> TeamInbox:
+    rng = np.random.default_rng(0)
     inbox = TeamInbox(tuple(START), "a", TeamTimingConfig(), Classes(frozenset({"pole"})))
     for name, robot in inbox.robots.items():
         robot.mount = MOUNT
@@ -54,8 +54,10 @@ def full_inbox(without_pose: str = "") -> TeamInbox:
         stamp = T + round(after * S)
         cameras = [pose_at(n, after) @ MOUNT for n in START if n != name]
         robots = [np.array([p.x, p.y]) for p in cameras]
-        robot.take_bearings(ROBOTS, stamp, bearings(name, after, robots), T)
-        robot.take_bearings("pole", stamp, bearings(name, after, list(POLES)), T)
+        told = {ROBOTS: bearings(name, after, robots), "pole": bearings(name, after, list(POLES))}
+        for kind, values in told.items():
+            made_up = rng.uniform(-np.pi, np.pi, len(values))
+            robot.take_bearings(kind, stamp, made_up if name == making_up else values, T)
         if name != without_pose:
             off = SE2(0.1, -0.1, 0.05)
             rough = PoseEstimate(pose_at(name, 0.0) @ off, np.diag([0.04, 0.04, 0.01]))
@@ -94,8 +96,14 @@ def test_a_robot_without_a_pose_begins_where_the_team_had_it() -> None:
     assert answers._prepared(type(view)(view.name, view.bearings), T).rough is None
 
 
-def test_a_liar_is_one_whose_bearings_fit_nobody() -> None:
-    names = ("a", "b", "c")
-    identities = {"a": np.array([1, 2]), "b": np.array([NOBODY, NOBODY]), "c": np.array([0])}
-    solution = TeamSolution(names, identities=identities, suspects=("b", "c"))
-    assert [is_liar(solution, name) for name in names] == [False, True, False]
+@pytest.mark.parametrize("making_up", ["", "d"])
+def test_a_suspect_is_placed_only_where_what_it_sees_fits(making_up: str) -> None:
+    inbox = full_inbox("d", making_up)
+    away = pose_at("d", 0.0) @ SE2(3.0, 0.0, 1.0)
+    inbox.robots["d"].take_pose(T, PoseEstimate(away, np.diag([0.04, 0.04, 0.01])), T)
+    answers = TeamAnswers(inbox, LANDMARKS, TeamConfig(bearing_sd_rad=0.01))
+    answer = answers.solve(inbox.collect(T, T))
+    assert answer.solution.suspects == ("d",)
+    assert set(answer.bases) == ({"a", "b", "c"} if making_up else set(START))
+    if not making_up:
+        assert pose_at("d", 0.0).between(answer.bases["d"].pose).distance < TOL_M

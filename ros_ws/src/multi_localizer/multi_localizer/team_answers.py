@@ -12,12 +12,13 @@ from floornav_common.se2 import SE2
 from multi_localizer.landmarks import Landmarks, positions
 from multi_localizer.pose_estimate import PoseEstimate, moved
 from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_confirmed import is_confirmed
 from multi_localizer.team_corrections import Now, believed, corrected_views, largest_change
 from multi_localizer.team_filter_config import TeamFilterConfig
 from multi_localizer.team_inbox import Moment, TeamInbox
 from multi_localizer.team_over_time import TeamOverTime
 from multi_localizer.team_solver import solve_team
-from multi_localizer.team_views import NOBODY, RobotView, TeamSolution
+from multi_localizer.team_views import RobotView, TeamSolution
 
 _WORTH_SD = 0.1
 _ROUNDS = 3
@@ -42,15 +43,6 @@ class TeamAnswer:
     solution: TeamSolution
     bases: Mapping[str, PoseEstimate]
     most_change: float = 0.0
-
-
-def is_liar(solution: TeamSolution, name: str) -> bool:
-    """Return whether nothing that a robot sends fits the others.
-
-    One of which only its own pose was wrong is located by what it sees and who sees it.
-    """
-    identities = solution.identities.get(name, np.zeros(0, dtype=int))
-    return name in solution.suspects and not bool(np.any(identities != NOBODY))
 
 
 class TeamAnswers:
@@ -93,7 +85,7 @@ class TeamAnswers:
         if self._over_time is not None:
             solution = self._over_time.follow(moment.stamp_ns, views, solution, self._motion)
         most = largest_change(start, views)
-        self._last = TeamAnswer(moment, solution, self._bases(solution), most)
+        self._last = TeamAnswer(moment, solution, self._bases(solution, views), most)
         return self._last
 
     def configure(self, config: TeamConfig, filter_config: TeamFilterConfig | None) -> None:
@@ -143,10 +135,12 @@ class TeamAnswers:
         guess = moved(PoseEstimate(base.pose, base.cov + _NO_EVIDENCE), robot.mount)
         return replace(view, rough=guess, rough_from_landmarks=True)
 
-    def _bases(self, solution: TeamSolution) -> dict[str, PoseEstimate]:
+    def _bases(
+        self, solution: TeamSolution, views: tuple[RobotView, ...]
+    ) -> dict[str, PoseEstimate]:
         bases = {}
         for name, estimate in solution.estimates.items():
             mount = self._inbox.robots[name].mount
-            if mount is not None and not is_liar(solution, name):
+            if mount is not None and is_confirmed(solution, views, name, self.config):
                 bases[name] = moved(estimate, mount.inverse())
         return bases

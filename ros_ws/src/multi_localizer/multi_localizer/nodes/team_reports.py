@@ -11,7 +11,7 @@ from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from multi_localizer.clock_offsets import clock_problem
 from multi_localizer.robot_inbox import RobotInbox
-from multi_localizer.team_answers import TeamAnswer, is_liar
+from multi_localizer.team_answers import TeamAnswer
 from multi_localizer.team_inbox import TeamInbox
 from multi_localizer.team_node_config import TeamTimingConfig
 from multi_localizer.team_views import NOBODY
@@ -128,9 +128,9 @@ class TeamReports:
         values["bearings with a name"] = int(np.count_nonzero(identities != NOBODY))
         values["taken after the moment (s)"] = f"{skew_ns / 1e9:.3f}"
         values["has its own pose"] = sight.view.rough is not None
-        if is_liar(answer.solution, name):
-            return ERROR, "contradicts the others: its bearings are wrong"
         if name not in answer.bases:
+            if name in answer.solution.suspects:
+                return ERROR, "contradicts the others, and they do not confirm where it is"
             return WARN, answer.solution.unobservable or answer.solution.problem or "not located"
         sd = np.sqrt(np.diag(answer.bases[name].cov))
         values["deviation (m)"] = f"{math.hypot(sd[0], sd[1]):.3f}"
