@@ -12,10 +12,16 @@ from scipy.stats import chi2
 
 from experiments.team_bounds import bound, oracle_ids
 from experiments.team_views_sim import Scene
+from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_confirmed import is_confirmed
 from multi_localizer.team_views import NOBODY, TeamSolution
 
 DEGREES_OF_POSE = 3
 BAND = 0.95
+TAIL_CHI2 = float(chi2.ppf(BAND, DEGREES_OF_POSE))
+"""Squared deviations that 5 % of true poses exceed."""
+WRONG_CHI2 = 40.0
+"""Those that no true pose exceeds."""
 LEAST_LAYOUTS = 10
 """Fewer layouts than these give no ratio."""
 
@@ -30,12 +36,15 @@ class Verdict:
         least_var: Cramer-Rao bound of the variance of x, y, yaw of each, (N, 3); None if infinite.
         num_views: Real bearings to robots.
         num_right: Those with the right identity.
+        num_wrong: Those with the identity of another robot.
         num_oracle: Those that the oracle gives the right identity.
         num_false: False detections.
         num_refused: Those that were called nobody's.
         is_exact: Whether each bearing, real or false, got its true identity.
         ms: Time of the solve.
         num_suspects: Robots called suspect.
+        faulty_chi2: Squared deviations of the faulty robot's pose where it is published; NaN where
+            it is not, or no robot is faulty.
     """
 
     errors: np.ndarray
@@ -43,12 +52,14 @@ class Verdict:
     least_var: np.ndarray | None
     num_views: int
     num_right: int
+    num_wrong: int
     num_oracle: int
     num_false: int
     num_refused: int
     is_exact: bool
     ms: float
     num_suspects: int
+    faulty_chi2: float = math.nan
 
 
 def judge(scene: Scene, solution: TeamSolution, ms: float, *, counts_rough: bool = True) -> Verdict:
@@ -73,12 +84,14 @@ def judge(scene: Scene, solution: TeamSolution, ms: float, *, counts_rough: bool
         least_var=None if scene.faulty else bound(scene, counts_rough=counts_rough),
         num_views=int(is_real.sum()),
         num_right=int((truth == said)[is_real].sum()),
+        num_wrong=int(((truth != said) & (said != NOBODY))[is_real].sum()),
         num_oracle=int((truth == oracle)[is_real].sum()),
         num_false=int((~is_real).sum()),
         num_refused=int((said[~is_real] == NOBODY).sum()),
         is_exact=bool(np.all(truth == said)),
         ms=ms,
         num_suspects=len(solution.suspects),
+        faulty_chi2=_published_chi2(scene, solution),
     )
 
 
@@ -101,6 +114,14 @@ def _errors(
     return errors, nees
 
 
+def _published_chi2(scene: Scene, solution: TeamSolution) -> float:
+    """Return how wrong the faulty robot's pose is, if `team_localizer` would publish it."""
+    for robot in scene.faulty:
+        if is_confirmed(solution, scene.views, scene.layout.names[robot], TeamConfig()):
+            return float(_errors(scene, solution, [robot])[1][0])
+    return math.nan
+
+
 def figures(verdicts: Sequence[Verdict]) -> dict[str, Any]:
     """Return what many layouts of one kind come to; None where nothing can be said."""
     num_views = sum(v.num_views for v in verdicts)
@@ -110,6 +131,7 @@ def figures(verdicts: Sequence[Verdict]) -> dict[str, Any]:
     return {
         "layouts": len(verdicts),
         "identified_share": share(sum(v.num_right for v in verdicts), num_views),
+        "wrong_share": share(sum(v.num_wrong for v in verdicts), num_views),
         "oracle_share": share(sum(v.num_oracle for v in verdicts), num_views),
         "false_refused_share": share(sum(v.num_refused for v in verdicts), num_false),
         "exact_layouts": len(exact),
@@ -120,10 +142,25 @@ def figures(verdicts: Sequence[Verdict]) -> dict[str, Any]:
         "crlb_ratio": bound_ratio(exact),
         "crlb_ratio_all": bound_ratio(verdicts),
         **consistency(verdicts),
+        "tail_share": _above(np.concatenate([v.nees for v in verdicts]), TAIL_CHI2),
         "nees_identified": consistency(exact)["nees"],
         "solve_ms": float(np.median([v.ms for v in verdicts])),
         "solve_p99_ms": float(np.percentile([v.ms for v in verdicts], 99)),
     }
+
+
+def faulty_figures(verdicts: Sequence[Verdict]) -> dict[str, float]:
+    """Return how often the faulty robot's own pose is published, and published and wrong."""
+    values = np.array([v.faulty_chi2 for v in verdicts])
+    return {
+        "faulty_published_share": float(np.isfinite(values).mean()),
+        "faulty_wrong_share": float((values > WRONG_CHI2).mean()),
+    }
+
+
+def _above(values: np.ndarray, limit: float) -> float | None:
+    said = values[np.isfinite(values)]
+    return float((said > limit).mean()) if len(said) else None
 
 
 def share(part: int, whole: int) -> float | None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from experiments.team_faults import FAULTS
-from experiments.team_judge import Verdict, bound_ratio, figures, judge
+from experiments.team_judge import Verdict, bound_ratio, faulty_figures, figures, judge
 from experiments.team_layouts import POSTS, random_layout
 from experiments.team_views_sim import Scene, Senses, see, with_names
 from multi_localizer.team_config import TeamConfig
@@ -39,6 +39,7 @@ class Row:
         method: `team` or `published`.
         senses: Values of `Senses` that differ.
         body_radius: Told to the solver where it is not the robots' own.
+        told_sd: Times the true deviation of a bearing is what the solver is told.
     """
 
     table: str
@@ -50,6 +51,7 @@ class Row:
     method: str = "team"
     senses: dict[str, Any] = field(default_factory=dict)
     body_radius: float | None = None
+    told_sd: float = 1.0
 
 
 def _rows() -> Iterable[Row]:
@@ -62,15 +64,31 @@ def _rows() -> Iterable[Row]:
     for fault in FAULTS:
         yield Row(table="faults", title=fault, fault=fault)
         yield Row(table="faults", title=f"{fault}, no posts", fault=fault, senses=_BLIND)
+        yield Row(table="faults", title=f"{fault}, 4 robots", fault=fault, num_robots=4)
     for num, noise in ((4, 1.0), (4, 3.0), (6, 1.0), (10, 1.0)):
         title = f"published, {num} robots, {noise:g} deg"
         yield Row(
             table="published", title=title, num_robots=num, noise_deg=noise, method="published"
         )
 
+    for sd in (0.05, 0.1, 0.2, 0.36, 0.72):
+        yield Row(
+            table="published", title=f"published, 4 robots, 1 deg, rough poses {sd:g} m",
+            num_robots=4, method="published", senses={"rough_sd": _rough_sd(sd)},
+        )  # fmt: skip
+
+
+def _rough_sd(sd_m: float) -> tuple[float, float, float]:
+    """Return deviations of a rough pose whose yaw is as much better as its place."""
+    return (sd_m, sd_m, sd_m / ROUGH_SD[0] * ROUGH_SD[2])
+
 
 _VARIANTS: dict[str, dict[str, Any]] = {
     "as in the sweep": {},
+    "told half the noise": {"told_sd": 0.5},
+    "told twice the noise": {"told_sd": 2.0},
+    "told bodies half as wide": {"body_radius": 0.075},
+    "told bodies twice as wide": {"body_radius": 0.3},
     "nobody hides anybody": {"senses": {"hides": False}, "body_radius": 0.0},
     "rough poses twice as bad": {"senses": {"rough_sd": _TWICE}},
     "no rough poses": {"senses": {"rough_sd": None}},
@@ -105,6 +123,8 @@ def scene_of(row: Row, seed: int) -> Scene:
     """Return one layout of a row as its robots see it."""
     senses = Senses(noise=float(np.radians(row.noise_deg)), **row.senses)
     scene = see(random_layout(seed, row.num_robots, row.num_obstacles), senses, seed)
+    told = tuple(replace(view, bearing_sd=row.told_sd * senses.noise) for view in scene.views)
+    scene = replace(scene, views=told)
     return FAULTS[row.fault](scene) if row.fault else scene
 
 
@@ -144,6 +164,7 @@ def judged(row: Row, seeds: Iterable[int]) -> dict[str, Any]:
         "n": row.num_robots,
         "noise_deg": row.noise_deg,
         **figures(verdicts),
+        **(faulty_figures(verdicts) if row.fault else {}),
         "crlb_ratio_named": bound_ratio(named),
         "suspects_share": float(np.mean([v.num_suspects > 0 for v in verdicts])),
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,11 +12,11 @@ from hypothesis import strategies as st
 from experiments.team_alone import circles, least_squares
 from experiments.team_bounds import bearing_gradients, bound, information, oracle_ids
 from experiments.team_faults import FAULTS
-from experiments.team_judge import figures, judge
+from experiments.team_judge import faulty_figures, figures, judge
 from experiments.team_layouts import BODY_RADIUS, FIELD_X, FIELD_Y, POSTS, Layout, random_layout
 from experiments.team_paper_cases import METHODS, PAPER_ALONE, fits_best, paper_case
 from experiments.team_peers import count_triangles, gtsam_poses, num_triples, scipy_poses
-from experiments.team_rows import Row, judged, num_layouts
+from experiments.team_rows import Row, judged, num_layouts, scene_of
 from experiments.team_things import matched, things_on, with_things
 from experiments.team_views_sim import Senses, hidden, see
 from floornav_common.se2 import SE2
@@ -177,7 +179,11 @@ def test_truth_is_judged_right_and_a_swap_of_two_identities_is_not():
     ids = dict(answer.identities)
     ids["r0"] = ids["r0"][[1, 0, 2, 3]]
     wrong = judge(scene, TeamSolution(answer.names, answer.estimates, ids), 1.0)
-    assert not wrong.is_exact and wrong.num_right == 18
+    assert not wrong.is_exact and wrong.num_right == 18 and wrong.num_wrong == 2
+    assert figures([wrong])["wrong_share"] == pytest.approx(0.1)
+    ids["r0"] = np.full(4, NOBODY)
+    silent = judge(scene, TeamSolution(answer.names, answer.estimates, ids), 1.0)
+    assert silent.num_right == 16 and silent.num_wrong == 0
 
 
 def test_no_answer_is_no_identity_and_no_pose():
@@ -200,7 +206,11 @@ def test_nees_of_draws_from_the_covariance_lies_in_its_band():
                 for n, p in zip(names, scene.layout.poses + off, strict=True)
             }
             found.append(judge(scene, TeamSolution(names, poses), 1.0))
-    assert figures(verdicts)["nees_kept"] and not figures(boasting)["nees_kept"]
+    low, high = figures(verdicts)["nees_band"]
+    assert (low, high) == pytest.approx((2.67, 3.35), abs=0.01)  # chi2 of 600 degrees, over 200
+    assert low < figures(verdicts)["nees"] < high < figures(boasting)["nees"]
+    assert figures(verdicts)["tail_share"] == pytest.approx(0.05, abs=0.02)
+    assert figures(boasting)["tail_share"] == pytest.approx(0.27, abs=0.05)
     assert figures(boasting)["nees"] == pytest.approx(6.0, rel=0.15)
 
 
@@ -211,6 +221,29 @@ def test_a_faulty_robot_is_not_judged_and_the_others_views_stay(fault):
     assert faulty.views[1:] == scene.views[1:] and faulty.views[0] is not scene.views[0]
     verdict = judge(faulty, truthful(faulty), 1.0)
     assert len(verdict.errors) == 5 and verdict.is_exact
+
+
+def test_a_pose_of_the_faulty_robot_counts_only_where_it_would_be_published():
+    scene = FAULTS["carried away"](see(random_layout(6, 6), Senses(noise=DEGREE), 6))
+    said = truthful(scene, np.diag([0.01, 0.01, 0.01]))
+    assert judge(scene, said, 1.0).faulty_chi2 == 0.0
+    estimates = dict(said.estimates)
+    right = estimates["r0"].pose
+    estimates["r0"] = PoseEstimate(SE2(right.x + 1.0, right.y, right.yaw), estimates["r0"].cov)
+    wrong = replace(said, estimates=estimates)
+    assert judge(scene, wrong, 1.0).faulty_chi2 == pytest.approx(100.0)
+    refused = judge(scene, replace(wrong, suspects=("r0",)), 1.0)
+    assert np.isnan(refused.faulty_chi2)
+    both = faulty_figures([judge(scene, wrong, 1.0), refused])
+    assert both == {"faulty_published_share": 0.5, "faulty_wrong_share": 0.5}
+
+
+def test_a_solver_can_be_told_another_noise_than_the_true_one():
+    told = scene_of(Row(table="", title="", num_robots=3, told_sd=2.0), 0)
+    plain = scene_of(Row(table="", title="", num_robots=3), 0)
+    for a, b in zip(told.views, plain.views, strict=True):
+        assert a.bearing_sd == pytest.approx(2.0 * b.bearing_sd)
+        assert np.array_equal(a.bearings, b.bearings)
 
 
 @pytest.mark.parametrize("method", [circles, least_squares])
