@@ -21,6 +21,8 @@ from floornav_common.ros.node import ProcessConfig
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from multi_localizer.floor_node_config import FloorLocalizerConfig, FloorPoseConfig
 from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig
+from multi_localizer.stereo_config import StereoMatcherConfig
+from multi_localizer.stereo_node_config import StereoNodeConfig
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_node_config import TeamNodeConfig, TeamTimingConfig
 from sim_bridge.camera_config import OmniCameraConfig, StereoConfig
@@ -53,6 +55,7 @@ NODES: dict[str, tuple[type, ...]] = {
     "multi_localizer landmark_localizer": (
         LandmarkNodeConfig, LandmarkConfig, FrameConfig, ProcessConfig,
     ),
+    "multi_localizer stereo_matcher": (StereoNodeConfig, StereoMatcherConfig, ProcessConfig),
     "multi_localizer team_localizer": (
         TeamNodeConfig, TeamTimingConfig, TeamConfig, FrameConfig, ProcessConfig,
     ),

@@ -23,7 +23,7 @@ class StereoMatcherConfig:
         read_only=True,
     )  # fmt: skip
     support_rows: int = param(
-        5,
+        9,
         "interval_dp, monotone_dp: the costs of so many rows are averaged; odd.",
         unit="px",
         ge=1,

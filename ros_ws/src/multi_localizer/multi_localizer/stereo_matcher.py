@@ -47,7 +47,8 @@ class StereoMatcher:
             ValueError: If the images are not of one shape and kind.
         """
         _check(left, right)
-        left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
+        # Copies: kernels are compiled for arrays that may be written to, views on messages may not.
+        left, right = np.array(left, order="C"), np.array(right, order="C")
         num, method = self.config.num_disparities, self.config.method
         if method == "bm":
             return match_bm(left, right, num)
@@ -62,6 +63,11 @@ class StereoMatcher:
         found = self._monotone(costs) if is_monotone else self._intervals(costs, left)
         self._over_rows(refine, len(found), costs, found)
         return found
+
+    def warm_up(self) -> None:
+        """Compile what matching needs, if it is not compiled yet."""
+        image = np.random.default_rng(0).integers(0, 256, (24, 80, 3), dtype=np.uint8)
+        self.match(image, np.roll(image, -3, axis=1))
 
     def _match_costs(self, left: np.ndarray, right: np.ndarray, first_right: int) -> np.ndarray:
         shape = (*left.shape[:2], self.config.num_disparities)
