@@ -90,11 +90,13 @@ def test_two_robots_in_one_direction_share_one_bearing() -> None:
 
 
 def test_only_the_surest_begin_to_count() -> None:
-    owner = np.arange(20)
-    belief = np.linspace(0.9, 0.99, 20)
-    seen = choose(owner, belief, np.full(20, -1), 0.95, 0.1)
-    assert list(np.flatnonzero(seen >= 0)) == list(range(14, 20))
-    kept = choose(owner, np.full(20, 0.6), owner, 0.95, 0.1)
+    owner = np.arange(400)
+    belief = np.linspace(0.9, 0.99, 400)
+    seen = choose(owner, belief, np.full(400, -1), 0.95, 0.1)
+    assert list(np.flatnonzero(seen >= 0)) == list(range(360, 400))
+    few = choose(owner[:60], belief[-60:], np.full(60, -1), 0.95, 0.1)
+    assert list(np.flatnonzero(few >= 0)) == list(range(35, 60))
+    kept = choose(owner, np.full(400, 0.6), owner, 0.95, 0.1)
     assert np.array_equal(kept, owner)
 
 

@@ -45,7 +45,7 @@ def choose(
         elif owner[k] >= 0 and belief[k] >= level:
             is_new[k] = True
     beliefs = np.sort(belief[is_new])[::-1]
-    most = max(6, int(new_share * len(owner)))
+    most = max(25, int(new_share * len(owner)))
     least = beliefs[most - 1] if len(beliefs) > most else level
     least = min(least, 0.999)
     for k in range(len(owner)):

@@ -43,11 +43,11 @@ class TeamConfig:
         0.02, "Chance that a robot is seen although a body seems to hide it.", gt=0.0, le=1.0
     )
     new_share: float = param(
-        0.3, "Of all bearings at most this share, the surest, begins to count in one round.",
+        0.1, "Of all bearings at most this share, the surest, begins to count in one round.",
         gt=0.0, le=1.0,
     )  # fmt: skip
     max_rounds: int = param(
-        12, "Identities are looked at again at most so many times.", ge=1, le=100
+        20, "Identities are looked at again at most so many times.", ge=1, le=100
     )
     num_messages: int = param(
         15, "Messages run between pairs and bearings so many times a round.", ge=1, le=1000
@@ -64,13 +64,28 @@ class TeamConfig:
         ge=0.0, le=1.0,
     )  # fmt: skip
     least_views: int = param(
-        2, "Robots with fewer bearings than this are not looked for anew.", ge=1
+        1, "Robots with fewer bearings than this are not looked for anew.", ge=1
     )
     search_rounds: int = param(
         10, "Identities are looked at again at most so many times after a search.", ge=1, le=100
     )
     max_lost: int = param(10, "So many of them are looked for at once, the worst ones.", ge=1)
     max_searches: int = param(4, "Robots are looked for anew so many times.", ge=0, le=100)
+    soft_rounds: int = param(
+        40, "In a crowd poses are fitted so many times to soft beliefs.", ge=1, le=1000
+    )
+    soft_heat: float = param(
+        8.0, "In a crowd innovations are at first so much wider than their covariance says.",
+        ge=1.0,
+    )  # fmt: skip
+    soft_cold: float = param(2.5, "As `soft_heat`, in the end.", ge=1.0)
+    confirmed_share: float = param(
+        0.7, "In a crowd a robot of whose bearings less than this share is returned is looked for "
+        "anew.", ge=0.0, le=1.0,
+    )  # fmt: skip
+    crowd_searches: int = param(
+        6, "In a crowd robots are looked for anew so many times.", ge=0, le=100
+    )
     liar_share: float = param(
         0.5, "Bearings of a robot of which less than this share fits anybody are left out.",
         ge=0.0, le=1.0,
@@ -81,8 +96,8 @@ class TeamConfig:
         ge=0.0, le=1.0,
     )  # fmt: skip
     returned_share: float = param(
-        0.5, "A robot of whose bearings less than this share is returned is placed alone.",
-        ge=0.0, le=1.0,
+        0.85, "Share of a robot's bearings that should be returned, if as much is usual in the "
+        "team; a robot of whose bearings clearly less is returned is placed alone.", ge=0.0, le=1.0,
     )  # fmt: skip
     lost_yaw_rad: float = param(
         1.0, "A yaw known worse than this is not known.", unit="rad", gt=0.0

@@ -37,6 +37,19 @@ def identify(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig)
         prior_weight: What each rough pose counts, (N,), 0..1.
         config: Tuning.
     """
+    first = place_first(problem, prior_weight, config)
+    x, cov = settle_yaws(
+        first.fit.poses, first.fit.cov, problem.start, problem.bearings, problem.var,
+        config.loose_yaw_rad, config.far_sd_m,
+    )  # fmt: skip
+    start = replace(first, fit=TeamFit(x, cov, first.fit.cost))
+    return refine(problem, start, config, config.max_rounds)
+
+
+def place_first(
+    problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig
+) -> Identification:
+    """Return each robot where it is by itself, nobody identified; arguments as in `identify`."""
     none = np.full(len(problem.bearings), -1, dtype=np.int64)
     marks = first_marks(problem, prior_weight, config)
     alone = place_alone(problem, marks, prior_weight)
@@ -44,14 +57,7 @@ def identify(problem: TeamProblem, prior_weight: np.ndarray, config: TeamConfig)
     if wrong.any():
         prior_weight = np.where(wrong, 0.0, prior_weight)
         alone = place_alone(problem, marks, prior_weight)
-    x, cov = settle_yaws(
-        alone.poses, alone.cov, problem.start, problem.bearings, problem.var,
-        config.loose_yaw_rad, config.far_sd_m,
-    )  # fmt: skip
-    start = Identification(
-        none, np.zeros(len(none)), none, marks, prior_weight, TeamFit(x, cov, alone.cost)
-    )
-    return refine(problem, start, config, config.max_rounds)
+    return Identification(none, np.zeros(len(none)), none, marks, prior_weight, alone)
 
 
 def refine(

@@ -39,6 +39,14 @@ def explained_share(problem: TeamProblem, found: Identification) -> np.ndarray:
     return explained / np.maximum(counts, 1)
 
 
+def returned_share(problem: TeamProblem, found: Identification) -> np.ndarray:
+    """Return the share of each robot's bearings whose owner surely has one back, (N,)."""
+    counts = np.diff(problem.start)
+    owners = np.repeat(np.arange(problem.num_robots), counts)
+    returned = np.bincount(owners[_returned(problem, found) >= 0], minlength=problem.num_robots)
+    return returned / np.maximum(counts, 1)
+
+
 def relocate_lost(
     problem: TeamProblem, found: Identification, lost: np.ndarray, config: TeamConfig
 ) -> tuple[Identification, int]:

@@ -2,48 +2,51 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from multi_localizer.team_config import TeamConfig
+from multi_localizer.team_crowd import settle_crowd
 from multi_localizer.team_identify import identify, refine
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import explained_share, relocate_lost
 from multi_localizer.team_state import Identification
-from multi_localizer.team_trust import needed_trust, trust
+from multi_localizer.team_trust import doubted, trust
 
-_MANY = 700  # bearings: of more, a search that gains little is the last
-_HOPELESS = 0.1  # so far below the trust needed no search for single robots helps
-_ENOUGH = 0.98  # share of the bearings that is explained if all went well
+_CROWD = 150  # bearings: of more, robots are looked for by soft beliefs only
+_TRUSTED = 0.9
 _GAIN = 1.003
+_ENOUGH = 0.98  # share of the bearings that is explained if all went well
 
 
 def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
     """Identify from rough poses, then look for robots that do not fit, again and again.
 
-    If that leaves too much unexplained, once more in smaller steps and without settling yaws first:
-    another way through what is ambiguous. The answer that explains more counts.
+    If that leaves too much unexplained, once more by soft beliefs, which cost more time. The answer
+    that explains more, and confirms it from both ends, counts.
 
     Args:
         problem: The views.
         config: Tuning.
     """
-    found = _settle_once(problem, config)
-    num = len(problem.bearings)
-    if num > _MANY or num_explained(found) >= _ENOUGH * num:
-        return found
-    slower = replace(config, loose_yaw_rad=np.pi, new_share=0.5 * config.new_share)
-    other = _settle_once(problem, slower)
-    return other if num_explained(other) > num_explained(found) else found
-
-
-def _settle_once(problem: TeamProblem, config: TeamConfig) -> Identification:
     found = identify(problem, problem.has_prior.astype(float), config)
-    best = found
-    is_large = len(problem.bearings) > _MANY
-    if is_large and trust(problem, found) < needed_trust(problem, config) - _HOPELESS:
+    if len(problem.bearings) <= _CROWD or _is_settled(problem, found, config):
+        found = _searched(problem, found, config)
+    if _is_settled(problem, found, config):
         return found
+    other = _searched(problem, settle_crowd(problem, config), config)
+    return other if trust(problem, other) > trust(problem, found) else found
+
+
+def _is_settled(problem: TeamProblem, found: Identification, config: TeamConfig) -> bool:
+    is_explained = num_explained(found) >= _ENOUGH * len(problem.bearings)
+    if not is_explained or trust(problem, found) < _TRUSTED:
+        return False
+    return not bool(doubted(problem, found, config).any())
+
+
+def _searched(problem: TeamProblem, found: Identification, config: TeamConfig) -> Identification:
+    """Return the best of what comes of looking for robots that do not fit, again and again."""
+    best = found
     for _ in range(config.max_searches):
         share = explained_share(problem, found)
         has_views = np.diff(problem.start) >= config.least_views
@@ -57,7 +60,7 @@ def _settle_once(problem: TeamProblem, config: TeamConfig) -> Identification:
         is_better = num_explained(found) > num_explained(best)
         is_much = num_explained(found) > num_explained(best) * _GAIN
         best = found if is_better else best
-        if is_large and not is_much:
+        if len(problem.bearings) > _CROWD and not is_much:
             break
     return best
 

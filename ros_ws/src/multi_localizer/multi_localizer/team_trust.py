@@ -18,8 +18,9 @@ from multi_localizer.team_state import Identification
 
 _WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where landmarks put the robot
 _LEAST_MARKS = 2
-_MOST_NEEDED = 0.8
+_MOST_NEEDED = 0.9
 _MANY = 6  # bearings: of fewer, shares say little
+_SPREAD = 3.0  # deviations by which fewer than usual may be returned
 _LIKELY = 0.35  # of two robots in one direction either may be it
 
 
@@ -61,7 +62,11 @@ def doubted(problem: TeamProblem, found: Identification, config: TeamConfig) -> 
     sees = _sees(problem, found)
     returned = (sees & sees.T).sum(axis=1)
     counts = np.diff(problem.start)
-    return np.asarray((counts >= _MANY) & (returned < config.returned_share * counts))
+    many = counts >= _MANY
+    share = returned[many] / counts[many]
+    usual = min(config.returned_share, float(np.median(share))) if many.any() else 0.0
+    least = usual * counts - _SPREAD * np.sqrt(usual * (1.0 - usual) * counts)
+    return np.asarray(many & (returned < least))
 
 
 def _sees(problem: TeamProblem, found: Identification) -> np.ndarray:
