@@ -118,6 +118,17 @@ class Building(FloornavNode):
         time.sleep(600.0)
 
 
+class Unusable(FloornavNode):
+    """Finds while it warms up that it cannot work with what it was given."""
+
+    def __init__(self) -> None:
+        super().__init__("unusable")
+        self.ready(self._warm_up)
+
+    def _warm_up(self) -> None:
+        raise ValueError("the camera must see floor")
+
+
 class Broken(FloornavNode):
     """Fails in a callback."""
 
@@ -133,6 +144,7 @@ class Broken(FloornavNode):
 NODES = {
     "scan_echo": [ScanEcho], "picky": [Picky], "tuned": [Tuned], "owner": [Owner],
     "broken": [Broken], "building": [Building], "both": [ScanEcho, Picky],
+    "tuned_and_picky": [Tuned, Picky], "unusable": [Unusable],
 }  # fmt: skip
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -220,6 +222,59 @@ def test_bad_parameters_end_the_node_with_one_line(start: Start, given: str, sai
     assert [line for line in node.lines if not line.startswith("TunedConfig")] == [
         f"/tuned: {said}"
     ]
+
+
+def test_a_parameter_for_one_node_of_several_is_refused_with_the_way_to_write_it(
+    start: Start,
+) -> None:
+    node = start(NODES, "tuned_and_picky", "--ros-args", "-p", "gain:=0.7")
+    assert node.wait_for_exit() == 2
+    assert "/picky: unknown parameter 'gain'" in node.text
+    assert "-p NODE:NAME:=VALUE" in node.text
+    node = start(NODES, "tuned_and_picky", "--ros-args", "-p", "tuned:gain:=0.7")
+    assert "gain=0.7" in node.wait_for("TunedConfig")
+    assert node.stop() == 0
+
+
+def test_a_value_that_the_warm_up_cannot_work_with_is_one_line(start: Start) -> None:
+    node = start(NODES, "unusable")
+    assert node.wait_for_exit() == 2
+    assert node.lines == ["/unusable: the camera must see floor"]
+
+
+def test_echo_finds_types_and_shows_poses_and_what_changed_of_diagnostics(
+    start: Start, peer: Peer
+) -> None:
+    echo = start("-m", "floornav_common.ros.echo", "/pose", "/diagnostics")
+    poses = peer.node.create_publisher(PoseWithCovarianceStamped, "/pose", 5)
+    statuses_out = peer.node.create_publisher(DiagnosticArray, "/diagnostics", 5)
+    pose = PoseWithCovarianceStamped()
+    pose.header.frame_id, pose.pose.pose.position.x = "map", 1.25
+    said = DiagnosticArray(status=[DiagnosticStatus(name="a: b", level=b"\x01", message="hm")])
+
+    def is_shown() -> bool:
+        poses.publish(pose)
+        statuses_out.publish(said)
+        return echo.text.count("x 1.250") >= 3 and "hm" in echo.text
+
+    peer.spin_until(is_shown)
+    assert "/pose 0.000 s in 'map': x 1.250 y 0.000 m yaw 0.0 deg, deviations" in echo.text
+    assert echo.text.count("/diagnostics WARN  a: b: hm") == 1
+    assert echo.stop() == 0
+
+
+def test_echo_ends_after_so_many_and_names_what_it_does_not_take(start: Start, peer: Peer) -> None:
+    scans = peer.node.create_publisher(LaserScan, "/scan", 5)
+    echo = start("-m", "floornav_common.ros.echo", "scan", "--count", "2")
+
+    def has_ended() -> bool:
+        scans.publish(scan_of(S))
+        return bool(echo.has_ended)
+
+    peer.spin_until(has_ended)
+    assert echo.wait_for_exit() == 0
+    assert len([line for line in echo.lines if line.startswith("/scan 1.000 s")]) == 2
+    assert start("-m", "floornav_common.ros.echo").wait_for_exit() == 2
 
 
 def test_unknown_key_in_a_parameter_file_is_refused(start: Start, tmp_path: Path) -> None:

@@ -47,6 +47,9 @@ def test_contains_knows_the_notch_of_an_ell():
         ([[0, 0], [1, 0]], "N >= 3"),
         ([[0, 0], [0, 1], [1, 1], [1, 0]], "counter-clockwise"),
         ([[0, 0], [2, 0], [2, 2], [1, -1], [0, 2]], "cross"),
+        ([[0, 0], [2, 2], [2, 0], [0, 2]], "does not cross itself"),
+        ([[0, 0], [2, 0], [0, 2], [2, 2]], "does not cross itself"),
+        ([[0, 0], [3600, 0], [3600, 2000]], "corners_m spans 3600 m: are they millimeters?"),
         ([[0, 0], [0, 0], [1, 0], [1, 1]], "differ"),
         ([[0, 0], [1, math.nan], [1, 1]], "finite"),
     ],
@@ -54,6 +57,13 @@ def test_contains_knows_the_notch_of_an_ell():
 def test_a_border_that_is_none_is_refused(corners, word):
     with pytest.raises(ValueError, match=word):
         FloorPlan(np.array(corners, dtype=float))
+
+
+def test_a_goal_in_millimeters_is_refused_and_one_behind_the_border_is_not():
+    corners = rectangle(2.0, 1.0).corners
+    assert FloorPlan(corners, goals={"goal": (2.9, 0.0)}).goals
+    with pytest.raises(ValueError, match="goals_m.goal .* outside of a floor"):
+        FloorPlan(corners, goals={"goal": (1550.0, 0.0)})
 
 
 def test_a_file_is_read_and_its_unknown_keys_are_refused(tmp_path):

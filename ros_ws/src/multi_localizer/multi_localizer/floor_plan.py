@@ -25,6 +25,8 @@ from floornav_common.package_files import find_file
 from floornav_common.se2 import SE2
 
 SYMMETRY_TOL_M = 1e-3
+MAX_REACH_M = 200.0
+"""No camera sees the border of a larger floor: its file is in other units."""
 _KEYS = ("name", "corners_m", "unused_edges", "goals_m")
 
 
@@ -50,12 +52,16 @@ class FloorPlan:
             raise ValueError(f"corners must be (N, 2), N >= 3, got {corners.shape}")
         if not np.isfinite(corners).all():
             raise ValueError("corners must be finite")
+        extent = float(np.ptp(corners, axis=0).max())
+        if extent > MAX_REACH_M:
+            raise ValueError(f"corners_m spans {extent:g} m: are they millimeters?")
         if np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).min() <= 0.0:
             raise ValueError("corners must differ from their neighbors")
-        if _area(corners) <= 0.0:
-            raise ValueError("corners must run counter-clockwise around an area")
         if _crosses_itself(corners):
             raise ValueError("corners must make a border that does not cross itself")
+        if _area(corners) <= 0.0:
+            raise ValueError("corners must run counter-clockwise around an area")
+        _refuse_far_goals(self.goals, corners, extent)
         if any(not 0 <= k < len(corners) for k in self.unused_edges):
             raise ValueError(f"unused_edges must be in 0..{len(corners) - 1}: {self.unused_edges}")
         corners.flags.writeable = False
@@ -147,6 +153,19 @@ def _read(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise ValueError(f"{path}: must hold a mapping, got {type(data).__name__}")
     return data
+
+
+def _refuse_far_goals(
+    goals: Mapping[str, tuple[float, float]], corners: np.ndarray, extent: float
+) -> None:
+    """Raise for a goal farther from the border than the floor is long."""
+    for kind, place in goals.items():
+        outside = np.maximum(corners.min(axis=0) - place, place - corners.max(axis=0)).max()
+        if not outside <= extent:
+            raise ValueError(
+                f"goals_m.{kind} at ({place[0]:g}, {place[1]:g}) lies {outside:g} m outside of a "
+                f"floor of {extent:g} m: another unit?"
+            )
 
 
 def _area(corners: np.ndarray) -> float:

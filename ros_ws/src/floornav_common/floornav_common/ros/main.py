@@ -27,6 +27,10 @@ from floornav_common.stop_signals import StopSignals
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 _ENDING_S = 20.0  # Fast DDS was once seen to wait for itself for ever while a node was destroyed
 _SPIN_S = 0.5  # spin() and spin_once(None) of the wheels' EventsExecutor never return
+_FOR_ONE_NODE = (
+    "; -p NAME:=VALUE goes to every node of the process: write -p NODE:NAME:=VALUE for one of them,"
+    " or, in a namespace, a --params-file with /**/NODE"
+)
 _BAD_START = ("RCLError", "RCLInvalidROSArgsError", "UnknownROSArgsError", "InvalidNodeNameError")
 
 
@@ -85,7 +89,8 @@ def run_nodes(make_nodes: Sequence[Callable[[], Node]], args: Sequence[str] | No
         if has_begun and (signals.have_come or not rclpy.ok()):
             return EXIT_OK  # only cut short by the signal or the shutdown
         if isinstance(error, ParameterError):
-            print(error, file=sys.stderr)
+            is_for_one = len(make_nodes) > 1 and "unknown parameter" in str(error)
+            print(f"{error}{_FOR_ONE_NODE if is_for_one else ''}", file=sys.stderr)
             return EXIT_USAGE
         traceback.print_exc()
         return EXIT_FAILED

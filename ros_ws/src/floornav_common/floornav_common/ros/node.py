@@ -11,9 +11,14 @@ from rclpy.node import Node
 
 from floornav_common.config import param, validate
 from floornav_common.frames import FrameConfig
+from floornav_common.kernels import compile_once
 from floornav_common.ros.clock import NodeTime
 from floornav_common.ros.diagnostics import ERROR, OK, Diagnostics, Status
-from floornav_common.ros.parameters import declare_config, refuse_unknown_parameters
+from floornav_common.ros.parameters import (
+    ParameterError,
+    declare_config,
+    refuse_unknown_parameters,
+)
 from floornav_common.ros.threads import limit_threads
 from floornav_common.ros.transforms import TransformListener
 from floornav_common.ros.type_watch import TypeWatch
@@ -73,11 +78,15 @@ class FloornavNode(Node):
         """End the construction: refuse unknown parameters, compile kernels, say ready.
 
         Raises:
-            ParameterError: If a parameter was given that nothing declared.
+            ParameterError: If a parameter was given that nothing declared, or what was given
+                cannot be computed with.
         """
         refuse_unknown_parameters(self)
         if compile_kernels is not None:
-            compile_kernels()
+            try:
+                compile_once(compile_kernels, self.get_name(), self.get_logger().info)
+            except ValueError as error:
+                raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
             limit_threads(self.get_parameter("num_threads").value)
         self.get_logger().info("ready")
 
