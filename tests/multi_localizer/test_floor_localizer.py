@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from floor_masks import rectangle
 
 from floornav_common.camera_files import load_camera_model
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2
-from multi_localizer.floor_fitter import FloorFit
+from multi_localizer.floor_fitter import FloorFit, FloorShapeFitter
 from multi_localizer.floor_localizer import FloorLocalizer
 from multi_localizer.floor_node_config import FloorPoseConfig
 from multi_localizer.floor_plan import load_plan
@@ -62,18 +63,43 @@ def mask_where(is_inside: np.ndarray) -> np.ndarray:
 
 def test_the_pose_is_that_of_base_link_wherever_the_camera_sits() -> None:
     localizer, _ = with_fake(fits(BASE @ MOUNT))
-    localizer.take_mask(1, mask_where(IS_FLOOR), MOUNT, None)
+    for k in range(3):
+        localizer.take_mask(k, mask_where(IS_FLOOR), MOUNT, None)
     assert difference(localizer.tracker.estimate.pose, BASE) == pytest.approx(0.0, abs=TOL_M)
 
 
 def test_the_fit_begins_where_the_motion_has_the_camera() -> None:
     localizer, made = with_fake(fits(BASE @ MOUNT))
     step, odometry = SE2(0.1, 0.0, 0.2), SE2(5.0, 2.0, -1.0)
-    localizer.take_mask(0, mask_where(IS_FLOOR), MOUNT, odometry)
-    localizer.take_mask(100_000_000, mask_where(IS_FLOOR), MOUNT, odometry @ step)
-    first, second = made[0].guesses
-    assert first is None
-    assert difference(second.pose, BASE @ step @ MOUNT) == pytest.approx(0.0, abs=1e-6)
+    for k in range(3):
+        localizer.take_mask(k * 100_000_000, mask_where(IS_FLOOR), MOUNT, odometry)
+    localizer.take_mask(300_000_000, mask_where(IS_FLOOR), MOUNT, odometry @ step)
+    *first, last = made[0].guesses
+    assert first == [None, None, None]  # until masks agree each looks for all that fits
+    assert difference(last.pose, BASE @ step @ MOUNT) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_with_rivals_every_mask_looks_for_all_that_fits() -> None:
+    localizer, made = with_fake(fits(BASE, SE2(0.1, 0.1, 2.0), SE2(-0.3, 0.1, -2.0)))
+    for k in range(6):
+        localizer.take_mask(k * 100_000_000, mask_where(IS_FLOOR), SE2.identity(), SE2.identity())
+    assert made[0].guesses == [None] * 6
+
+
+def test_how_well_each_pose_fits_is_handed_on() -> None:
+    answer = replace(fits(BASE, SE2(-0.3, 0.1, -2.0)), costs=(0.1, 0.6))
+    localizer, _ = with_fake(answer)
+    for k in range(8):
+        localizer.take_mask(k * 100_000_000, mask_where(IS_FLOOR), SE2.identity(), SE2.identity())
+    assert localizer.tracker.state is TrackState.KNOWN
+
+
+def test_the_fitter_says_how_much_of_the_border_fits() -> None:
+    with np.errstate(invalid="ignore"):
+        mask = mask_where((np.abs(SEEN - (0.1, 0.05)) < (1.4, 0.8)).all(axis=-1))
+    fit = FloorShapeFitter(CAMERA, rectangle(2.8, 1.6)).fit(mask)
+    assert len(fit.candidates) == len(fit.costs) == 2
+    assert fit.costs[0] == fit.costs[1] < 0.1
 
 
 def test_masks_of_another_size_are_those_of_the_resized_camera() -> None:

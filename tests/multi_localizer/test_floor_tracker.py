@@ -20,6 +20,7 @@ FRAME_NS = 100_000_000
 CAMERA = SE2(0.0, 0.0, 0.0)
 TURN = SE2(0.0, 0.0, math.pi)
 STEP, STAY = SE2(0.03, 0.0, 0.05), SE2(0.0, 0.0, 0.0)
+TOLD_COV = np.diag([0.2, 0.2, 0.3]) ** 2
 TOL_M = 1e-9
 
 
@@ -181,17 +182,147 @@ def test_masks_without_a_pose_are_bridged_by_odometry(tracker: FloorTracker) -> 
 
 def test_somebody_who_says_where_it_is_settles_it(tracker: FloorTracker) -> None:
     pose = SE2(0.5, 0.2, 0.3)
-    tracker.relocate(PoseEstimate(pose, np.eye(3)))  # too early: nothing fits yet
     drive(tracker, pose, 3, step=STAY)
-    tracker.relocate(PoseEstimate(SE2(0.4, 0.3, 0.5), np.diag([0.2, 0.2, 0.3]) ** 2))
+    tracker.relocate(PoseEstimate(SE2(0.4, 0.3, 0.5), TOLD_COV))
+    assert is_at(tracker, pose) and tracker.take_refusal() == ""
+
+
+def test_somebody_who_says_it_before_the_first_mask_is_remembered(tracker: FloorTracker) -> None:
+    pose = SE2(0.5, 0.2, 0.3)
+    tracker.relocate(PoseEstimate(SE2(0.4, 0.3, 0.5), TOLD_COV))
+    tracker.update(0, (), "nothing but hands", SE2.identity())
+    drive(tracker, pose @ STEP, 3, first=1, step=STAY, odometry=STEP @ (pose @ STEP).inverse())
+    assert is_at(tracker, pose @ STEP)
+
+
+def test_somebody_who_says_what_fits_nowhere_is_not_believed(tracker: FloorTracker) -> None:
+    pose, far = SE2(0.5, 0.2, 0.3), PoseEstimate(SE2(50.0, 0.0, 0.3), TOLD_COV)
+    tracker.relocate(far)
+    drive(tracker, pose, 1, step=STAY)
+    assert "49.50 m" in tracker.take_refusal() and tracker.take_refusal() == ""
+    drive(tracker, pose, 3, first=1, step=STAY)
+    tracker.relocate(far)
+    assert "none of the 2 poses" in tracker.take_refusal()
+    assert tracker.state is TrackState.OPEN and tracker.hypotheses[0].share == 0.5
+
+
+def test_a_plan_of_one_pose_needs_no_goal_but_three_masks() -> None:
+    tracker = FloorTracker({}, FloorTrackConfig())
+    pose = PoseEstimate(SE2(0.5, 0.2, 0.3), COV)
+    for k in range(2):
+        tracker.update(k * FRAME_NS, (pose,), "", None)
+        assert tracker.state is TrackState.OPEN and f"{k + 1} of 3 masks" in tracker.reason
+    tracker.update(2 * FRAME_NS, (pose,), "", None)
+    assert tracker.estimate is pose
+
+
+def test_masks_that_contradict_each_other_settle_nothing() -> None:
+    tracker = FloorTracker({}, FloorTrackConfig())
+    for k in range(30):
+        pose = SE2(0.5 if k % 2 else -0.5, 0.2, 0.3 * k)
+        tracker.update(k * FRAME_NS, (PoseEstimate(pose, COV),), "", None)
+        assert tracker.estimate is None
+
+
+@pytest.mark.parametrize("cover_s", [2.0, 10.0])
+@pytest.mark.parametrize("has_masks", [True, False], ids=["covered", "no masks"])
+def test_turned_by_hand_unseen_the_mate_is_not_taken_for_it(
+    tracker: FloorTracker, cover_s: float, has_masks: bool
+) -> None:
+    """Odometry sees nothing of it: the robot hangs in the air."""
+    pose, odom = SE2(0.5, 0.2, 0.3), SE2(3.0, 1.0, 2.0)
+    drive(tracker, pose, 30, goals=("goal_blue",), step=STAY, odometry=odom)
+    assert tracker.state is TrackState.KNOWN
+    first = 30 + round(10 * cover_s)
+    if has_masks:
+        for k in range(30, first):
+            tracker.update(k * FRAME_NS, (), "nothing but hands", odom @ pose)
+    turned = TURN @ pose
+    back = odom @ pose @ turned.inverse()
+    drive(tracker, turned, 30, first=first, step=STAY, odometry=back)
+    assert tracker.state is TrackState.OPEN and tracker.estimate is None
+    drive(tracker, turned, 8, first=first + 30, goals=("goal_blue",), step=STAY, odometry=back)
+    assert is_at(tracker, turned)
+
+
+def test_where_the_believed_pose_fits_no_more_the_mate_does_not_take_its_place(
+    tracker: FloorTracker,
+) -> None:
+    pose, odom = SE2(0.5, 0.2, 0.3), SE2.identity()
+    drive(tracker, pose, 10, goals=("goal_blue",), step=STAY, odometry=odom)
+    mate = PoseEstimate(TURN @ pose, COV)
+    tracker.update(10 * FRAME_NS, (mate,), "", odom @ pose)
+    assert tracker.state is TrackState.LOST
+
+
+def test_a_rival_that_one_mask_does_not_show_is_not_forgotten() -> None:
+    tracker = FloorTracker({}, FloorTrackConfig())
+    here, rival = (PoseEstimate(SE2(x, 0.2, 0.3), COV) for x in (0.5, -0.7))
+    for k in range(5):
+        tracker.update(k * FRAME_NS, (here, rival), "", SE2.identity())
+    tracker.update(5 * FRAME_NS, (here,), "", SE2.identity())
+    assert tracker.state is TrackState.OPEN
+    for k in range(6, 12):
+        tracker.update(k * FRAME_NS, (here,), "", SE2.identity())
+    assert tracker.estimate is here
+
+
+@pytest.mark.parametrize(("cost", "state"), [(0.12, TrackState.OPEN), (0.3, TrackState.KNOWN)])
+def test_how_well_poses_fit_tells_them_apart_in_time(cost: float, state: TrackState) -> None:
+    tracker = FloorTracker({}, FloorTrackConfig())
+    here, rival = (PoseEstimate(SE2(x, 0.2, 0.3), COV) for x in (0.5, -0.7))
+    for k in range(10):
+        tracker.update(k * FRAME_NS, (rival, here), "", SE2.identity(), (cost, 0.1))
+        assert k > 1 or tracker.state is TrackState.OPEN
+    assert tracker.state is state
+    assert state is TrackState.OPEN or tracker.estimate is here
+
+
+def test_of_twelve_poses_goals_choose_the_right_one(tracker: FloorTracker) -> None:
+    places = [SE2(-1.0 + 0.18 * k, 0.4 * math.sin(k), 0.5 * k) for k in range(12)]
+    for k in range(10):
+        tracker.update(k * FRAME_NS, [PoseEstimate(p, COV) for p in places], "", SE2.identity())
+        for kind in GOALS:
+            tracker.see_goals(goal_from(places[7], kind, k * FRAME_NS))
+    assert is_at(tracker, places[7])
+
+
+def test_more_images_a_second_tell_no_more(tracker: FloorTracker) -> None:
+    pose, other = SE2(0.5, 0.2, 0.3), FloorTracker(GOALS, FloorTrackConfig())
+    for t, num in ((tracker, 2), (other, 11)):
+        for k in range(num):
+            stamp_ns = k * FRAME_NS // (num - 1)
+            t.update(stamp_ns, both(pose), "", SE2.identity())
+            t.see_goals(goal_from(pose, "goal_blue", stamp_ns, 0.5))
+    assert tracker.hypotheses[0].share == pytest.approx(other.hypotheses[0].share)
+    assert tracker.hypotheses[0].share < 0.98
+
+
+def test_a_larger_thing_of_the_goals_color_does_not_hide_the_goal(tracker: FloorTracker) -> None:
+    pose = SE2(0.5, 0.2, 0.3)
+    for k in range(6):
+        tracker.update(k * FRAME_NS, both(pose), "", SE2.identity())
+        goal = goal_from(pose, "goal_blue", k * FRAME_NS)
+        bearings = np.array([goal.bearings[0] + math.pi / 2, goal.bearings[0]])
+        tracker.see_goals(replace(goal, bearings=bearings))
     assert is_at(tracker, pose)
 
 
-def test_a_plan_of_one_pose_needs_no_goal() -> None:
-    tracker = FloorTracker({}, FloorTrackConfig())
-    pose = PoseEstimate(SE2(0.5, 0.2, 0.3), COV)
-    tracker.update(0, (pose,), "", None)
-    assert tracker.estimate is pose
+def test_goals_of_the_time_before_a_jump_back_do_not_come_again(tracker: FloorTracker) -> None:
+    pose, wrong = SE2(0.5, 0.2, 0.3), TURN @ SE2(0.5, 0.2, 0.3)
+    drive(tracker, pose, 1, first=1000, step=STAY)
+    for k in range(1001, 1004):
+        tracker.see_goals(goal_from(wrong, "goal_blue", k * FRAME_NS))
+    drive(tracker, pose, 10, step=STAY)
+    drive(tracker, pose, 10, first=1000, step=STAY)
+    assert tracker.hypotheses[0].share == pytest.approx(0.5)
+
+
+def test_goals_count_after_a_jump_back(tracker: FloorTracker) -> None:
+    pose = SE2(0.5, 0.2, 0.3)
+    drive(tracker, pose, 5, first=1000, goals=("goal_blue",), step=STAY)
+    drive(tracker, TURN @ pose, 5, goals=("goal_blue",), step=STAY)
+    assert is_at(tracker, TURN @ pose)
 
 
 def test_a_plan_without_goals_says_what_would_help() -> None:
@@ -215,5 +346,5 @@ def test_turning_the_world_round_turns_the_answer_round() -> None:
 def test_its_settings_may_change_while_it_runs(tracker: FloorTracker) -> None:
     drive(tracker, SE2(0.5, 0.2, 0.3), 1, goals=("goal_blue",))
     assert tracker.state is TrackState.OPEN
-    tracker.config = replace(tracker.config, settle_share=0.6)
+    tracker.config = replace(tracker.config, settle_share=0.6, settle_masks=1)
     assert tracker.state is TrackState.KNOWN

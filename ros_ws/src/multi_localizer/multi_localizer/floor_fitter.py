@@ -53,6 +53,8 @@ class FloorFit:
         hidden_share: Of all directions, those that show no wall.
         problem: Why there is no pose; "" if there is one.
         offset_px: How far inside the walls the border lies.
+        costs: Of each candidate, the share of the border that does not fit it; floor behind walls
+            costs more.
     """
 
     candidates: tuple[PoseEstimate, ...]
@@ -61,6 +63,7 @@ class FloorFit:
     hidden_share: float
     problem: str
     offset_px: float = 0.0
+    costs: tuple[float, ...] = ()
 
 
 class FloorShapeFitter:
@@ -118,15 +121,18 @@ class FloorShapeFitter:
                 f"only {len(border.values)} pixels of the floor's border are seen"
             ), NOWHERE
         found = self._coarse(border, guess)
-        fits = [self._polished(border, start, offset) for start, offset, cost in found
+        fits = [(*self._polished(border, start, offset), cost) for start, offset, cost in found
                 if 1.0 - cost >= self.config.rival * (1.0 - found[0][2])]  # fmt: skip
         if not fits:
             return _none("the border fits no pose on the plan"), NOWHERE
-        best, behind = fits[0]
+        best, behind, _ = fits[0]
         if best.problem:
             return best, behind
-        candidates = [c for f, _ in fits if not f.problem for c in self._mates(f.candidates[0])]
-        return replace(best, candidates=tuple(candidates)), behind
+        good = [(f.candidates[0], cost) for f, _, cost in fits if not f.problem]
+        mates = [self._mates(candidate) for candidate, _ in good]
+        costs = [cost for m, (_, cost) in zip(mates, good, strict=True) for _ in m]
+        candidates = tuple(c for m in mates for c in m)
+        return replace(best, candidates=candidates, costs=tuple(costs)), behind
 
     def _coarse(
         self, border: BorderRays, guess: PoseEstimate | None

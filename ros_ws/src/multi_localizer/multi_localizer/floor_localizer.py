@@ -79,12 +79,12 @@ class FloorLocalizer:
             ValueError: The mask is of another shape than the camera's images.
         """
         fitter = self._fitter(mask.shape)
-        guess = self.tracker.guess(stamp_ns, T_odom_base)
+        guess = self._guess(stamp_ns, T_odom_base)
         fit = fitter.fit(mask, None if guess is None else moved(guess, T_base_floor))
         self.newest = fit
         T_floor_base = T_base_floor.inverse()
         candidates = [moved(c, T_floor_base) for c in fit.candidates]
-        self.tracker.update(stamp_ns, candidates, fit.problem, T_odom_base)
+        self.tracker.update(stamp_ns, candidates, fit.problem, T_odom_base, fit.costs)
 
     def warm_up(self) -> None:
         """Compile what is compiled, on a mask of the camera's size; nothing is kept of it."""
@@ -94,6 +94,14 @@ class FloorLocalizer:
         fitter.fit(mask, None)
         mask.flags.writeable = False  # as those of messages are: other code is compiled for them
         fitter.fit(mask, PoseEstimate(SE2.identity(), np.eye(3)))
+
+    def _guess(self, stamp_ns: int, T_odom_base: SE2 | None) -> PoseEstimate | None:
+        """Return where the fit may begin; None as long as all that fits is to be looked for."""
+        tracker = self.tracker
+        has_rivals = len(tracker.hypotheses) > len(self._plan.symmetries)
+        if has_rivals or not tracker.has_agreed:
+            return None
+        return tracker.guess(stamp_ns, T_odom_base)
 
     def _fitter(self, shape: tuple[int, ...]) -> Fitter:
         if shape not in self._fitters:

@@ -15,8 +15,11 @@ class FloorTrackConfig:
     settle_share: float = param(
         0.98, "A pose is given when it alone has this share of the belief.", gt=0.5, lt=1.0
     )
+    settle_masks: int = param(
+        3, "A pose is given when so many masks, one after the other, have shown it.", ge=1, le=100
+    )
     least_share: float = param(
-        0.002, "What is against a pose leaves it this share, so that it can come back.",
+        0.002, "What is against poses leaves them this share together, so that they can come back.",
         gt=0.0, lt=0.1,
     )  # fmt: skip
     goal_sd_rad: float = param(
@@ -29,6 +32,25 @@ class FloorTrackConfig:
     goal_weight: float = param(
         0.5, "How much of a goal's evidence counts each time: what is false lasts for some images.",
         gt=0.0, le=1.0,
+    )  # fmt: skip
+    new_after_s: float = param(
+        0.1, "What is seen sooner again counts for less, in proportion: it is the same evidence.",
+        unit="s", gt=0.0, le=10.0,
+    )  # fmt: skip
+    fit_weight: float = param(
+        8.0, "How much it speaks against a pose that less of the border fits it, each time.", ge=0.0
+    )
+    alike_share: float = param(
+        0.05, "Poses fit alike if the border that fits them differs by no more than this share.",
+        ge=0.0, lt=1.0,
+    )  # fmt: skip
+    worst_fit: float = param(
+        0.3, "A mask leaves a pose that fits badly, or not at all, so much of its belief.",
+        gt=0.0, le=1.0,
+    )  # fmt: skip
+    carried_per_s: float = param(
+        0.03, "How often it is moved by hand while no mask shows its pose: the belief evens out.",
+        unit="1/s", ge=0.0,
     )  # fmt: skip
     max_skew_s: float = param(
         0.06, "A goal counts for the pose of a mask that is not farther off in time.", unit="s",

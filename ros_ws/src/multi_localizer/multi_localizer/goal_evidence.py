@@ -29,11 +29,12 @@ class GoalsSeen:
 
 
 def goal_likelihood(
-    pose: SE2, bearing: float, goal: tuple[float, float], config: FloorTrackConfig
+    pose: SE2, bearings: np.ndarray, goal: tuple[float, float], config: FloorTrackConfig
 ) -> float:
-    """Return how likely a goal is seen at a bearing from the sensor's pose, tempered."""
-    off = wrap_angle(math.atan2(goal[1] - pose.y, goal[0] - pose.x) - pose.yaw - bearing)
+    """Return how likely bearings, (K,), are from the sensor's pose: any of them may be the goal."""
+    true = math.atan2(goal[1] - pose.y, goal[0] - pose.x) - pose.yaw
+    off = np.array([wrap_angle(true - float(b)) for b in bearings])
     sd = config.goal_sd_rad
-    right = math.exp(-0.5 * (off / sd) ** 2) / (math.sqrt(2.0 * math.pi) * sd)
+    right = np.exp(-0.5 * (off / sd) ** 2).mean() / (math.sqrt(2.0 * math.pi) * sd)
     share = config.false_goal_share
-    return float((share / (2.0 * math.pi) + (1.0 - share) * right) ** config.goal_weight)
+    return float(share / (2.0 * math.pi) + (1.0 - share) * right)

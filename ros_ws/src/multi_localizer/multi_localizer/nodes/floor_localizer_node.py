@@ -38,6 +38,7 @@ from multi_localizer.nodes.floor_report import FloorReport
 from multi_localizer.nodes.initial_pose import hear_initial_pose
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
 from multi_localizer.nodes.state_log import StateLog
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.ros_conversions import bearings_from_msg
 
 WARN_PERIOD_NS = 5_000_000_000
@@ -68,7 +69,7 @@ class FloorLocalizerNode(FloornavNode):
         self.transforms.on_restart(self._localizer.tracker.reset)
         for kind in self._plan.goals:
             self._hear_goals(kind)
-        hear_initial_pose(self, self._localizer.tracker.relocate, self._warn)
+        hear_initial_pose(self, self._relocate, self._warn)
         self.ready(self._localizer.warm_up)
 
     def _make_localizer(self, config: FloorLocalizerConfig) -> FloorLocalizer:
@@ -114,11 +115,21 @@ class FloorLocalizerNode(FloornavNode):
 
     def _publish(self, stamp: Any, T_odom_base: SE2 | None) -> None:
         tracker = self._localizer.tracker
+        self._say_refusal()
         if tracker.estimate is not None:
             self._outputs.send(stamp, tracker.estimate, T_odom_base)
         is_fit = tracker.state is not TrackState.LOST
         poses = [h.estimate.pose for h in tracker.hypotheses] if is_fit else []
         self._candidates.publish(poses_to_msg(poses, stamp, self.frames.map))
+
+    def _relocate(self, estimate: PoseEstimate) -> None:
+        self._localizer.tracker.relocate(estimate)
+        self._say_refusal()
+
+    def _say_refusal(self) -> None:
+        refusal = self._localizer.tracker.take_refusal()
+        if refusal:
+            self.get_logger().warning(f"initialpose refused: {refusal}")
 
     def _look(self) -> None:
         if self._report.is_lost and not self.time.is_stopped:
