@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -10,12 +11,14 @@ from team_builders import GOALS, SIX, TRIANGLE, bearing, team, wrapped
 
 from floornav_common.se2 import SE2
 from multi_localizer.enumeration import holds, num_seen, num_there
-from multi_localizer.relative_layout import crossing, grow
+from multi_localizer.pose_estimate import PoseEstimate
+from multi_localizer.rays import crossing
+from multi_localizer.relative_layout import grow
 from multi_localizer.team_config import PublishedTeamConfig, TeamConfig
 from multi_localizer.team_problem import make_problem
-from multi_localizer.team_published import solve_published
+from multi_localizer.team_published import size_ratios, solve_published
 from multi_localizer.triangles import count_triangles, folded, is_ordered, makes_triangle
-from multi_localizer.two_landmarks import SeenPair, circle, circle_distance
+from multi_localizer.two_landmarks import SeenPair, circle, circle_distance, two_landmarks
 
 EXACT = TeamConfig(published=PublishedTeamConfig(angle_tolerance_rad=1e-3))
 TOL = 1e-6
@@ -90,6 +93,24 @@ def test_layout_is_similar_to_the_truth_and_grows_triangle_by_triangle() -> None
     assert np.allclose(turn, turn[0], atol=1e-3)
 
 
+def test_robots_that_only_see_their_own_half_make_two_parts_and_the_larger_one_counts() -> None:
+    poses = np.vstack((SIX, [0.4, 2.1, 0.5]))
+    views, truth = team(poses, noise=0.0, rough_sd=GOOD)
+    halves = ({0, 1, 2}, {3, 4, 5, 6})
+    owners = []
+    for i, ids in enumerate(truth):
+        kept = np.array([any({i, int(j)} <= half for half in halves) for j in ids])
+        views[i] = replace(views[i], bearings=views[i].bearings[kept])
+        owners.append(ids[kept])
+    layouts = list(grow(make_problem(views, GOALS, EXACT), 1e-3))
+    assert sorted(layouts[0].robots) == [0, 1, 2]
+    assert sorted(layouts[-1].robots) == [3, 4, 5, 6]
+    assert np.array_equal(layouts[-1].owner, np.concatenate(owners))
+    assert [layout.num_triangles for layout in layouts] == list(range(1, len(layouts) + 1))
+    solution = solve_published(views, GOALS, EXACT)
+    assert set(solution.relative) == {"r3", "r4", "r5", "r6"}
+
+
 def test_circle_goes_through_both_landmarks_and_the_robot() -> None:
     pair = SeenPair(np.array([0.0, -1.0]), np.array([0.0, 1.0]), pi / 2.0)
     middle, radius = circle(pair)
@@ -131,6 +152,50 @@ def test_layout_without_any_own_pose_has_no_place() -> None:
     solution = solve_published(views, GOALS, EXACT)
     assert not solution.estimates
     assert "place and turn" in solution.unobservable
+
+
+def test_size_is_found_along_the_base_robots_own_bearing() -> None:
+    posts = {"left": np.array([[4.0, 2.0]]), "right": np.array([[4.0, -2.0]])}
+    views, _ = team(TRIANGLE, noise=0.0, rough_sd=(1e-5, 1e-5, 1e-5), landmarks=posts)
+    views[0] = replace(views[0], bearings=views[0].bearings - 0.02)
+    config = TeamConfig(published=PublishedTeamConfig(angle_tolerance_rad=0.1))
+    problem = make_problem(views, posts, config)
+    *_, layout = grow(problem, 0.1)
+    ratios = []
+    for i in (1, 2):  # all three see both posts; r0 is the base
+        pair = two_landmarks(problem, i)
+        assert pair is not None
+        along = float(np.arctan2(*(TRIANGLE[i] - TRIANGLE[0])[1::-1])) - 0.02
+        far = circle_distance(TRIANGLE[0, :2], along, pair, TRIANGLE[i, :2])
+        assert far is not None
+        ratios.append(far / np.hypot(*(layout.places[i] - layout.places[0])))
+    assert size_ratios(problem, layout, 0) == pytest.approx(ratios, rel=1e-4)
+    hidden = np.where(np.arange(6) < 2, -1, layout.owner)  # as if r0 saw nobody
+    assert not len(size_ratios(problem, replace(layout, owner=hidden), 0))
+
+
+def test_sizes_that_scatter_are_refused() -> None:
+    views, _ = team(SIX, noise=0.0, rough_sd=(0.5, 0.5, 0.5))
+    exact, _ = team(SIX, noise=0.0, rough_sd=(1e-4, 1e-4, 1e-4))
+    views[0] = exact[0]
+    assert solve_published(views, GOALS, EXACT).estimates
+    for i, off in ((1, 0.9), (3, -0.7), (4, 1.2)):
+        marks = {**views[i].landmark_bearings}
+        marks["blue"] = marks["blue"] + off
+        views[i] = replace(views[i], landmark_bearings=marks)
+    solution = solve_published(views, GOALS, EXACT)
+    assert not solution.estimates and "size" in solution.unobservable
+    assert len(solution.relative) == 6
+
+
+def test_a_layout_that_contradicts_the_robots_own_poses_is_refused() -> None:
+    views, _ = team(SIX, noise=0.0, rough_sd=(1e-3, 1e-3, 1e-3))
+    tight = np.diag([1e-7, 1e-7, 1e-7])
+    assert views[0].rough is not None
+    turned = SE2(views[0].rough.pose.x, views[0].rough.pose.y, views[0].rough.pose.yaw + 0.03)
+    views[0] = replace(views[0], rough=PoseEstimate(turned, tight))  # the base, and wrong
+    solution = solve_published(views, GOALS, EXACT)
+    assert not solution.estimates and "own poses" in solution.unobservable
 
 
 def test_two_robots_make_no_triangle() -> None:

@@ -15,10 +15,11 @@ from itertools import combinations
 
 import numpy as np
 
+from multi_localizer.rays import crossing
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_views import ObjectEstimate, RobotView, TeamSolution
 
-_LEAST_CROSSING = 0.05  # rad; rays nearer to parallel say nothing of where they meet
+_LEAST_CROSSING = 0.05  # sine of the angle; rays nearer to parallel say nothing of where they meet
 _STEPS = 5
 
 
@@ -91,7 +92,9 @@ def _best_object(
     """Return place, covariance and rays of the thing that explains most rays; None for none."""
     best, best_score = None, -np.inf
     for a, b in combinations(np.flatnonzero(left), 2):
-        place = None if rays.robot[a] == rays.robot[b] else _crossing(rays, int(a), int(b))
+        if rays.robot[a] == rays.robot[b]:
+            continue
+        place = crossing(rays.origin[a], rays.yaw[a], rays.origin[b], rays.yaw[b], _LEAST_CROSSING)
         if place is None:
             continue
         used = _supporters(rays, left, place, solution, config)
@@ -105,18 +108,6 @@ def _best_object(
     if best is None or np.max(np.diag(best[1])) > config.far_sd_m**2:
         return None
     return best
-
-
-def _crossing(rays: _Rays, a: int, b: int) -> np.ndarray | None:
-    """Return where two rays meet ahead of both robots; None if they do not."""
-    u = np.array([np.cos(rays.yaw[a]), np.sin(rays.yaw[a])])
-    v = np.array([np.cos(rays.yaw[b]), np.sin(rays.yaw[b])])
-    gap, det = rays.origin[b] - rays.origin[a], u[0] * v[1] - u[1] * v[0]
-    if abs(det) < _LEAST_CROSSING:
-        return None
-    far_a = (gap[0] * v[1] - gap[1] * v[0]) / det
-    far_b = (gap[0] * u[1] - gap[1] * u[0]) / det
-    return rays.origin[a] + far_a * u if far_a > 0.0 and far_b > 0.0 else None
 
 
 def _residuals(rays: _Rays, used: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

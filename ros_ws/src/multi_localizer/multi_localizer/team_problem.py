@@ -112,6 +112,19 @@ def make_problem(
     )  # fmt: skip
 
 
+def to_views(
+    problem: TeamProblem, views: Sequence[RobotView], owner: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return what is said of each bearing, (M,), by robot and in the order of its view."""
+    result = {}
+    for i, view in enumerate(views):
+        ids = np.full(len(view.bearings), NOBODY, dtype=np.int64)
+        part = slice(problem.start[i], problem.start[i + 1])
+        ids[problem.source[part]] = owner[part]
+        result[view.name] = ids
+    return result
+
+
 def _robot_rows(views: Sequence[RobotView], config: TeamConfig, notes: list[str]) -> np.ndarray:
     """Return (robot, bearing, variance, place in the view, known) of each finite bearing."""
     index = {view.name: i for i, view in enumerate(views)}

@@ -4,8 +4,10 @@ The relative layout is turned by the heading of the base robot, the one whose ow
 set on its place; its size comes from the landmarks. Each robot lies on the circle from which the
 two landmarks appear under the angle that it sees, and on the ray along which the base robot sees
 it: where they meet is its distance SL_i. The size is the mean of SL_i / SL_i^R, the distances in
-the layout. Not in the paper: which pose is best (here: the one with the least covariance), and any
-covariance (here: that of the base robot's pose and of the spread of the ratios).
+the layout, of the robots that the base robot sees. Not in the paper: which pose is best (here: the
+one with the least covariance), any covariance (here: that of the base robot's pose and of the
+spread of the ratios), and when the result is refused: here if the ratios scatter, if it contradicts
+the own poses of half the robots or more, and a robot whose place is known worse than `far_sd_m`.
 """
 
 from __future__ import annotations
@@ -16,14 +18,15 @@ from dataclasses import replace
 import numpy as np
 
 from floornav_common.se2 import SE2, wrap_angle
-from multi_localizer.pose_estimate import PoseEstimate
+from multi_localizer.pose_estimate import PoseEstimate, mahalanobis
 from multi_localizer.relative_layout import RelativeLayout, grow
 from multi_localizer.team_config import TeamConfig
-from multi_localizer.team_problem import TeamProblem, make_problem
-from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
+from multi_localizer.team_problem import TeamProblem, make_problem, to_views
+from multi_localizer.team_views import RobotView, TeamSolution, view_problem
 from multi_localizer.two_landmarks import circle_distance, two_landmarks
 
 _LEAST_ROBOTS = 3
+_MOST_SCATTER = 0.5  # of the size: then a ray met another circle, or belongs to another robot
 _UNKNOWN_SIZE = 1.0  # share of itself: one ratio alone tells nothing of its spread
 
 
@@ -46,16 +49,17 @@ def solve_published(
         layout = grown
     if layout is None:
         return TeamSolution(names, problem="no triangle holds", notes=problem.notes)
-    return _placed(problem, views, layout)
+    return _placed(problem, views, layout, config)
 
 
 def _placed(
-    problem: TeamProblem, views: Sequence[RobotView], layout: RelativeLayout
-) -> TeamSolution:
+    problem: TeamProblem, views: Sequence[RobotView], layout: RelativeLayout,
+    config: TeamConfig,
+) -> TeamSolution:  # fmt: skip
     """Set the layout on the field (3.3)."""
     relative = TeamSolution(
         names=problem.names,
-        identities=_identities(problem, views, layout.owner),
+        identities=to_views(problem, views, layout.owner),
         relative={problem.names[i]: _pose(layout, i) for i in layout.robots},
         notes=problem.notes,
         num_triangles=layout.num_triangles,
@@ -65,30 +69,50 @@ def _placed(
         return replace(relative, unobservable="no robot knows its own pose: place and turn")
     cov = {i: np.linalg.inv(problem.prior_info[i]) for i in known}
     base = min(known, key=lambda i: float(np.trace(cov[i][:2, :2])))
-    ratios = _ratios(problem, layout, base)
+    ratios = size_ratios(problem, layout, base)
     if not len(ratios):
         return replace(relative, unobservable="no robot sees two landmarks: the team's size")
     size = float(ratios.mean())
-    spread = ratios.std(ddof=1) / np.sqrt(len(ratios)) if len(ratios) > 1 else _UNKNOWN_SIZE * size
+    scatter = float(ratios.std(ddof=1)) if len(ratios) > 1 else _UNKNOWN_SIZE * size
+    if len(ratios) > 1 and scatter > _MOST_SCATTER * size:
+        return replace(relative, unobservable="two landmarks do not agree on the team's size")
+    spread = scatter / np.sqrt(len(ratios))
+    placed = {
+        i: _estimate(problem, layout, base, i, size, spread, cov[base]) for i in layout.robots
+    }
+    wrong = {i for i in known if _contradicts(problem, i, placed[i], cov[i], config)}
+    if 2 * len(wrong) >= len(known):
+        return replace(relative, unobservable="the layout contradicts the robots' own poses")
     return replace(
         relative,
         estimates={
-            problem.names[i]: _estimate(problem, layout, base, i, size, float(spread), cov[base])
-            for i in layout.robots
+            problem.names[i]: estimate
+            for i, estimate in placed.items()
+            if i not in wrong and np.max(np.diag(estimate.cov)[:2]) <= config.far_sd_m**2
         },
+        suspects=tuple(problem.names[i] for i in sorted(wrong)),
     )
 
 
-def _ratios(problem: TeamProblem, layout: RelativeLayout, base: int) -> np.ndarray:
-    """Return SL_i / SL_i^R of every robot for which both are there."""
-    place, turn = problem.prior[base, :2], problem.prior[base, 2] - layout.yaws[base]
+def _contradicts(
+    problem: TeamProblem, i: int, placed: PoseEstimate, own_cov: np.ndarray, config: TeamConfig
+) -> bool:
+    own = PoseEstimate(SE2(*(float(value) for value in problem.prior[i])), own_cov)
+    return mahalanobis(own, placed) > config.gate_sd**2
+
+
+def size_ratios(problem: TeamProblem, layout: RelativeLayout, base: int) -> np.ndarray:
+    """Return SL_i / SL_i^R of every robot that the base robot sees, if its circle is met."""
+    place = problem.prior[base, :2]
+    first, last = problem.start[base], problem.start[base + 1]
+    rays = {int(layout.owner[k]): k for k in range(first, last)}
     ratios = []
     for i in layout.robots:
-        seen = None if i == base else two_landmarks(problem, i)
+        seen = two_landmarks(problem, i) if i in rays else None
         if seen is None:
             continue
         arm = layout.places[i] - layout.places[base]
-        along = float(np.arctan2(arm[1], arm[0]) + turn)
+        along = float(problem.prior[base, 2] + problem.bearings[rays[i]])
         rough = problem.prior[i, :2] if problem.has_prior[i] else None
         far = circle_distance(place, along, seen, rough)
         if far is not None:
@@ -117,15 +141,3 @@ def _estimate(
 def _pose(layout: RelativeLayout, i: int) -> SE2:
     x, y = layout.places[i]
     return SE2(float(x), float(y), float(layout.yaws[i]))
-
-
-def _identities(
-    problem: TeamProblem, views: Sequence[RobotView], owner: np.ndarray
-) -> dict[str, np.ndarray]:
-    result = {}
-    for i, view in enumerate(views):
-        ids = np.full(len(view.bearings), NOBODY, dtype=np.int64)
-        part = slice(problem.start[i], problem.start[i + 1])
-        ids[problem.source[part]] = owner[part]
-        result[view.name] = ids
-    return result
