@@ -21,11 +21,16 @@ from robot_messages import statuses
 from tf2_msgs.msg import TFMessage
 
 from floornav_common.ros.diagnostics import ERROR, OK, WARN
-from floornav_common.ros.messages import pose_to_se2, stamp_to_ns, transform_from_msg
+from floornav_common.ros.messages import (
+    ns_to_stamp,
+    pose_to_se2,
+    stamp_to_ns,
+    transform_from_msg,
+)
 from floornav_common.ros.qos import RELIABLE_QOS, TF_QOS
 from floornav_common.se2 import SE2
-from multi_localizer.pose_estimate import difference, normalized_error
-from multi_localizer.ros_conversions import estimate_from_msg
+from multi_localizer.pose_estimate import PoseEstimate, difference, normalized_error
+from multi_localizer.ros_conversions import estimate_from_msg, estimate_to_msg
 
 LISTENING = Path(__file__).with_name("listening.py")
 NODE = (LISTENING, "multi_localizer.nodes.floor_localizer_node")
@@ -86,6 +91,11 @@ def test_a_pose_is_settled_by_a_goal_kept_and_found_again(start: Any, peer: Any)
     fits = [pose_to_se2(p) for p in heard.candidates[-1].poses]
     assert min(np.abs(difference(fit, HERE)).max() for fit in fits) < NEAR_M
 
+    told = peer.publisher(PoseWithCovarianceStamped, "initialpose", RELIABLE_QOS, to=node)
+    far = PoseEstimate(SE2(50.0, 0.0, 0.0), np.diag([0.5, 0.5, 0.3]) ** 2)
+    told.publish(estimate_to_msg(far, ns_to_stamp(robot.stamp_ns), "map"))
+    node.wait_for("initialpose refused: none of the 2 poses that fit")
+
     void = [math.nan, math.inf]
     robot.see(mask, odometry, void)
     robot.see(mask, odometry, [])
@@ -101,7 +111,7 @@ def test_a_pose_is_settled_by_a_goal_kept_and_found_again(start: Any, peer: Any)
     assert np.abs(off).max() < 5.0 * NEAR_M
 
     see_until(robot, heard.says(ERROR, "lost"), np.zeros_like(mask), odometry)
-    see_until(robot, heard.says(OK, "known"), mask, odometry)  # no goal needed: odometry says so
+    see_until(robot, heard.says(OK, "known"), mask, odometry, seen)  # covered for long it is open
 
     carried = mask_from(THERE)
     seen = [goal_bearing(THERE, "goal_blue")]
@@ -113,7 +123,7 @@ def test_a_pose_is_settled_by_a_goal_kept_and_found_again(start: Any, peer: Any)
     assert all(is_near(m, THERE) for m in wrong)
 
     see_until(robot, heard.says(ERROR, "refused"), np.zeros((50, 300), np.uint8), odometry)
-    see_until(robot, heard.says(OK, "known"), carried, odometry)
+    see_until(robot, heard.says(OK, "known"), carried, odometry, seen)
     assert node.stop() == 0
 
 
