@@ -4,7 +4,13 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from multi_localizer.stereo_intervals import cut_row, go_on, match_interval, match_intervals
+from multi_localizer.stereo_intervals import (
+    cut_row,
+    find_hidden,
+    go_on,
+    match_interval,
+    match_intervals,
+)
 
 
 def ends_of(values, threshold):
@@ -67,6 +73,7 @@ def test_two_intervals_may_stand_in_the_other_order():
     colors = np.repeat(np.array([40, 200, 40], np.uint8), [8, 2, 8])[None, :, None]
     costs = np.full((1, 18, 8), 100, dtype=np.uint8)
     costs[0, :8, 1] = costs[0, 8:10, 6] = costs[0, 10:, 1] = 0
+    costs[0, 3:5, 1] = 100  # behind the pole for the right camera
     found, is_hidden = match(colors, costs)
     assert found[0].tolist() == [1] * 8 + [6] * 2 + [1] * 8
     assert not is_hidden.any()
@@ -81,6 +88,35 @@ def test_a_hidden_interval_goes_on_as_the_one_before_it():
     found, is_hidden = match(colors, costs)
     assert found[0].tolist() == [2] * 9 + [5] * 6
     assert is_hidden[0].tolist() == [False] * 6 + [True] * 3 + [False] * 6
+
+
+def hidden(disparities, ends, scores, worst=60.0):
+    found = np.zeros(len(disparities), dtype=bool)
+    find_hidden(
+        np.array(disparities, np.float32), np.array(ends, np.int32), np.array(scores), worst,
+        np.empty(len(found), np.int32), found,
+    )  # fmt: skip
+    return found.tolist()
+
+
+def test_of_two_intervals_that_want_the_same_right_pixels_the_worse_one_is_hidden():
+    # Columns 4 to 6 and 7 to 9 want right pixels 4 to 6.
+    disparities, ends = [0] * 7 + [3] * 3, [4, 7, 10]
+    assert hidden(disparities, ends, [5.0, 20.0, 9.0]) == [False] * 4 + [True] * 3 + [False] * 3
+    assert hidden(disparities, ends, [5.0, 9.0, 20.0]) == [False] * 7 + [True] * 3
+
+
+def test_an_interval_may_lose_half_of_its_right_pixels():
+    disparities, ends = [0] * 6 + [2] * 4, [2, 6, 10]  # both want 4 and 5
+    assert hidden(disparities, ends, [1.0, 20.0, 9.0]) == [False] * 10
+
+
+def test_an_interval_whose_partners_lie_outside_is_hidden():
+    assert hidden([2, 2, 2, 2, 2], [3, 5], [1.0, 1.0]) == [True] * 3 + [False] * 2
+
+
+def test_a_bad_score_hides_whatever_the_others_want():
+    assert hidden([0, 0, 0, 0], [2, 4], [60.0, 60.5]) == [False, False, True, True]
 
 
 def test_what_is_hidden_at_the_start_takes_what_follows():

@@ -38,7 +38,7 @@ class StereoMatcherConfig:
         ge=0, le=10000,
     )  # fmt: skip
     hidden_score: float = param(
-        25.0, "interval_dp: an interval that costs more a column is hidden from the right camera.",
+        30.0, "interval_dp: an interval that costs more a column is hidden from the right camera.",
         ge=0.0, le=255.0,
     )  # fmt: skip
     monotone_step: int = param(

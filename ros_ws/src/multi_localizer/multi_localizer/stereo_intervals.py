@@ -3,8 +3,9 @@
 The rows of the left image alone are cut into intervals where color changes, so that no interval
 should lie on two surfaces. Each is matched to the right row by DP on its own, stretched or
 shrunk by at most one pixel a column; two intervals may so stand in the other order in the right
-image. An interval whose DP score is bad is hidden from the right camera and goes on as the interval
-before it (its left neighbor): what a nearer object hides from the right camera lies to its left.
+image. An interval whose DP score is bad, or worse than that of others that want the same right
+pixels, is hidden from the right camera and goes on as the interval before it (its left neighbor):
+what a nearer object hides from the right camera lies to its left.
 
 The paper's rule for cutting is in its reference 3, which the text does not contain; here a cut lies
 at every local maximum of the color gradient along the row above a threshold.
@@ -65,13 +66,17 @@ def match_intervals(  # type: ignore[no-untyped-def]
     width, num = costs.shape[1], costs.shape[2]
     sums = np.empty((width, num), dtype=np.int32)
     ends = np.empty(width, dtype=np.int32)
+    scores = np.empty(width, dtype=np.float64)
+    owners = np.empty(width, dtype=np.int32)
     for y in range(start, stop):
         first = 0
-        for k in range(cut_row(colors[y], threshold, ends)):
+        count = cut_row(colors[y], threshold, ends)
+        for k in range(count):
             end = int(ends[k])
             score = match_interval(first, end, costs[y], stretch, sums, out[y])
-            is_hidden[y, first:end] = score > worst * (end - first)
+            scores[k] = score / (end - first)
             first = end
+        find_hidden(out[y], ends[:count], scores, worst, owners, is_hidden[y])
         go_on(out[y], is_hidden[y])
 
 
@@ -90,6 +95,41 @@ def match_interval(first, end, costs, stretch, sums, out):  # type: ignore[no-un
         d += _step_back(sums[x - 1], d, stretch)
     out[first] = d
     return score
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def find_hidden(disparities, ends, scores, worst, owners, is_hidden):  # type: ignore[no-untyped-def]
+    """Mark intervals hidden from the right camera, by their scores.
+
+    They are those whose score is above `worst`, and those that lose more than half of their right
+    pixels to intervals of better scores: one right pixel shows one surface.
+
+    Args:
+        disparities: Of a row, whole, (W,), float32.
+        ends: Column after the last one of each interval, (N,).
+        scores: Mean cost of each interval, (N,) at least.
+        worst: See above.
+        owners: Memory, (W,), int32.
+        is_hidden: (W,), bool, filled in.
+    """
+    owners[:] = -1
+    first = 0
+    for k in range(len(ends)):
+        for x in range(first, ends[k]):
+            partner = x - int(disparities[x])
+            owner = owners[partner] if partner >= 0 else -1
+            if partner >= 0 and (owner < 0 or scores[k] < scores[owner]):
+                owners[partner] = k
+        first = ends[k]
+    first = 0
+    for k in range(len(ends)):
+        lost = 0
+        for x in range(first, ends[k]):
+            partner = x - int(disparities[x])
+            if partner < 0 or owners[partner] != k:
+                lost += 1
+        is_hidden[first : ends[k]] = scores[k] > worst or 2 * lost > ends[k] - first
+        first = ends[k]
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
