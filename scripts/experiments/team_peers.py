@@ -6,13 +6,13 @@ result; `count_triangles` does that check and nothing more.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from scipy.optimize import least_squares
 
 from experiments.team_layouts import POSTS
 from experiments.team_views_sim import Scene
 from multi_localizer.team_views import NOBODY
+from multi_localizer.triangles import angles_between, count_sums
 
 
 def starts(scene: Scene) -> np.ndarray:
@@ -108,35 +108,12 @@ def count_triangles(scene: Scene, tolerance: float, most_triples: int | None = N
         tolerance: Of the sum of three angles, rad (dE).
         most_triples: Check only so many triples; None for all.
     """
-    angles = [_angles(view.bearings) for view in scene.views]
-    starts_of = np.cumsum([0, *(len(a) for a in angles)])
+    angles = [angles_between(view.bearings) for view in scene.views]
+    start = np.cumsum([0, *(len(a) for a in angles)])
     limit = np.iinfo(np.int64).max if most_triples is None else most_triples
-    return int(_count(np.concatenate(angles), starts_of, tolerance, limit))
+    return int(count_sums(np.concatenate(angles), start, tolerance, limit))
 
 
 def num_triples(num_robots: int) -> int:
     """Return how many triples of robots there are."""
     return num_robots * (num_robots - 1) * (num_robots - 2) // 6
-
-
-def _angles(bearings: np.ndarray) -> np.ndarray:
-    """Return the angles between all pairs of bearings, folded into 0..pi."""
-    i, j = np.triu_indices(len(bearings), 1)
-    return np.abs((bearings[i] - bearings[j] + np.pi) % (2.0 * np.pi) - np.pi)
-
-
-@numba.njit(cache=True)
-def _count(angles: np.ndarray, start: np.ndarray, tolerance: float, most_triples: int) -> int:
-    num, found, triples = len(start) - 1, 0, 0
-    for p in range(num):
-        for q in range(p + 1, num):
-            for r in range(q + 1, num):
-                if triples >= most_triples:
-                    return found
-                triples += 1
-                for a in range(start[p], start[p + 1]):
-                    for b in range(start[q], start[q + 1]):
-                        rest = np.pi - angles[a] - angles[b]
-                        for c in range(start[r], start[r + 1]):
-                            found += abs(angles[c] - rest) <= tolerance
-    return found

@@ -17,7 +17,7 @@ from multi_localizer.relative_layout import grow
 from multi_localizer.team_config import PublishedTeamConfig, TeamConfig
 from multi_localizer.team_problem import make_problem
 from multi_localizer.team_published import size_ratios, solve_published
-from multi_localizer.triangles import count_triangles, folded, is_ordered, makes_triangle
+from multi_localizer.triangles import angles_between, count_sums, folded, is_ordered, makes_triangle
 from multi_localizer.two_landmarks import SeenPair, circle, circle_distance, two_landmarks
 
 EXACT = TeamConfig(published=PublishedTeamConfig(angle_tolerance_rad=1e-3))
@@ -40,11 +40,15 @@ def test_bearings_are_ordered_by_turning_less_than_half_a_turn() -> None:
     assert not is_ordered(3.0, -3.0, -1.0)
 
 
-def test_every_triangle_of_three_robots_is_checked() -> None:
-    start, bearings = np.array([0, 2, 4, 6]), np.array([0.0, pi / 3.0] * 3)
-    assert count_triangles(start, bearings, 0.01) == (1, 1)
-    four = np.array([0, 3, 6, 9, 12])
-    assert count_triangles(four, np.linspace(0.0, 1.0, 12), 0.01)[0] == 4 * 3**3
+def test_every_triple_of_robots_is_checked() -> None:
+    assert angles_between(np.array([0.0, pi / 3.0, -pi / 2.0])) == pytest.approx(
+        [pi / 3.0, pi / 2.0, 5.0 * pi / 6.0]
+    )
+    four, right = np.array([0, 1, 2, 3, 4]), np.array([1.0, 1.0, 1.0, 2.0]) * pi / 3.0
+    assert count_sums(four, np.array([0]), 0.01, 99) == 0
+    assert count_sums(right, four, 0.01, 99) == 1  # 60, 60, 60; with 120 the sum is 240
+    assert count_sums(np.full(4, pi / 3.0), four, 0.01, 99) == 4
+    assert count_sums(np.full(4, pi / 3.0), four, 0.01, 2) == 2
 
 
 def test_robots_are_counted_on_both_sides() -> None:

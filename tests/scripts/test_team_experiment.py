@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from experiments.bench_team import fit_alone
 from experiments.team_alone import circles, least_squares
 from experiments.team_bounds import bearing_gradients, bound, information, oracle_ids
 from experiments.team_faults import FAULTS
@@ -261,6 +262,7 @@ def test_peers_agree_with_each_other():
     a, b = scipy_poses(scene), gtsam_poses(scene)
     assert a[:, :2] == pytest.approx(b[:, :2], abs=1e-3)
     assert np.hypot(*(a - scene.layout.poses)[:, :2].T).max() < 0.2
+    assert fit_alone(scene).poses[:, :2] == pytest.approx(b[:, :2], abs=1e-2)
 
 
 def test_every_triangle_of_three_robots_is_one():

@@ -41,33 +41,31 @@ def orientation(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
     return 1.0 if cross >= 0.0 else -1.0
 
 
+def angles_between(bearings: np.ndarray) -> np.ndarray:
+    """Return the angles between all pairs of a robot's bearings, (K,), 0..pi (3.2.3 step 2)."""
+    i, j = np.triu_indices(len(bearings), 1)
+    return np.asarray(np.abs((bearings[i] - bearings[j] + np.pi) % (2.0 * np.pi) - np.pi))
+
+
 @numba.njit(cache=True)
-def count_triangles(start: np.ndarray, bearings: np.ndarray, tolerance: float) -> tuple[int, int]:
-    """Check every triangle of every three robots, as Kato et al. (1999) did.
+def count_sums(angles: np.ndarray, start: np.ndarray, tolerance: float, most_triples: int) -> int:
+    """Check the angles of all triples of robots, as Kato et al. (1999) did; return how many hold.
 
     Args:
-        start: Where each robot's bearings begin, (N + 1,).
-        bearings: Of all robots, (M,), rad.
+        angles: Between the bearings of each robot, all robots behind each other, (A,).
+        start: Where each robot's angles begin, (N + 1,).
         tolerance: dE, rad.
-
-    Returns:
-        Number of combinations of angles checked, and of those that hold.
+        most_triples: Triples of robots checked at most.
     """
-    n = len(start) - 1
-    checked, held = 0, 0
-    for p in range(n):
-        for q in range(p + 1, n):
-            for r in range(q + 1, n):
+    num, found, triples = len(start) - 1, 0, 0
+    for p in range(num):
+        for q in range(p + 1, num):
+            for r in range(q + 1, num):
+                if triples >= most_triples:
+                    return found
+                triples += 1
                 for a in range(start[p], start[p + 1]):
-                    for a2 in range(a + 1, start[p + 1]):
-                        at_p = folded(bearings[a], bearings[a2])
-                        for b in range(start[q], start[q + 1]):
-                            for b2 in range(b + 1, start[q + 1]):
-                                at_q = folded(bearings[b], bearings[b2])
-                                for c in range(start[r], start[r + 1]):
-                                    for c2 in range(c + 1, start[r + 1]):
-                                        at_r = folded(bearings[c], bearings[c2])
-                                        checked += 1
-                                        if makes_triangle(at_p, at_q, at_r, tolerance):
-                                            held += 1
-    return checked, held
+                    for b in range(start[q], start[q + 1]):
+                        for c in range(start[r], start[r + 1]):
+                            found += makes_triangle(angles[a], angles[b], angles[c], tolerance)
+    return found
