@@ -28,8 +28,9 @@ _MESSAGES = 6  # a round; the next one goes on
 _STEPS = 3  # of the fit a round; likewise
 _SURE = 0.9
 _AGAIN = 8  # rounds after a search
-_STRICTER = 0.1  # of the share that is asked for, every second search
+_STRICTER = 0.15  # of the share that is asked for, every second search
 _GAIN = 1.003
+_SWAPPED = 0.2  # of the robots: if no more are left, they may be in each other's place
 _PATIENCE = 3  # searches in vain
 
 
@@ -61,9 +62,10 @@ def settle_crowd(problem: TeamProblem, config: TeamConfig) -> Identification:
     num_vain = 0
     for k in range(config.crowd_searches):
         lost = _unconfirmed(problem, found, config.confirmed_share + _STRICTER * (k % 2))
+        may_swap = len(lost) <= _SWAPPED * problem.num_robots
         if not len(lost):
             continue
-        moved, num_moved = relocate_lost(problem, found, lost, config)
+        moved, num_moved = relocate_lost(problem, found, lost, may_swap=may_swap)
         if num_moved == 0:
             continue
         aims.forget((moved.fit.poses != found.fit.poses).any(axis=1))

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_relocate import (
@@ -48,7 +47,7 @@ def returned_share(problem: TeamProblem, found: Identification) -> np.ndarray:
 
 
 def relocate_lost(
-    problem: TeamProblem, found: Identification, lost: np.ndarray, config: TeamConfig
+    problem: TeamProblem, found: Identification, lost: np.ndarray, *, may_swap: bool = False
 ) -> tuple[Identification, int]:
     """Look for robots anew.
 
@@ -56,7 +55,7 @@ def relocate_lost(
         problem: The views.
         found: Identities and poses so far.
         lost: Indices of the robots, in the order in which to look.
-        config: Tuning.
+        may_swap: Whether each may be where another one of them is said to be.
 
     Returns:
         found: With new poses of those that were found elsewhere, and without their identities.
@@ -68,6 +67,8 @@ def relocate_lost(
     owners = np.repeat(np.arange(problem.num_robots), np.diff(problem.start))
     is_lost = np.zeros(problem.num_robots, dtype=np.bool_)
     is_lost[lost] = True
+    if may_swap:
+        owner = np.where((owner >= 0) & is_lost[owner], -1, owner)
     share = explained_share(problem, found)
     for u in lost:
         is_lost[u] = False

@@ -53,7 +53,7 @@ def _searched(problem: TeamProblem, found: Identification, config: TeamConfig) -
         lost = np.flatnonzero((share < config.explained_share) & has_views)
         if not len(lost):
             break
-        found, num_moved = relocate_lost(problem, found, _order(lost, share, config), config)
+        found, num_moved = relocate_lost(problem, found, _order(lost, share, config))
         if num_moved == 0:
             break
         found = refine(problem, found, config, config.search_rounds)

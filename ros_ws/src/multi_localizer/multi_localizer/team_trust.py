@@ -21,6 +21,8 @@ _LEAST_MARKS = 2
 _MOST_NEEDED = 0.9
 _MANY = 6  # bearings: of fewer, shares say little
 _SPREAD = 3.0  # deviations by which fewer than usual may be returned
+_CROWD_SPREAD = 2.0  # in a crowd, where chance returns more
+_CROWD = 25  # robots
 _LIKELY = 0.35  # of two robots in one direction either may be it
 
 
@@ -65,7 +67,8 @@ def doubted(problem: TeamProblem, found: Identification, config: TeamConfig) -> 
     many = counts >= _MANY
     share = returned[many] / counts[many]
     usual = min(config.returned_share, float(np.median(share))) if many.any() else 0.0
-    least = usual * counts - _SPREAD * np.sqrt(usual * (1.0 - usual) * counts)
+    spread = _CROWD_SPREAD if problem.num_robots > _CROWD else _SPREAD
+    least = usual * counts - spread * np.sqrt(usual * (1.0 - usual) * counts)
     return np.asarray(many & (returned < least))
 
 
