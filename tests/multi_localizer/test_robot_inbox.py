@@ -134,3 +134,52 @@ def test_after_a_clear_nothing_is_left() -> None:
     box.take_bearings(ROBOTS, NOW, np.array([0.1]), NOW)
     box.clear()
     assert box.sight_at(NOW) == "no bearings" and box.motion(NOW - S, NOW) is None
+
+
+def test_stamps_from_before_a_clock_was_known_are_not_taken_for_others() -> None:
+    """Its clock is 0.7 s ahead, which is known only after a second."""
+    box = inbox(max_skew_s=0.1)
+    for k in range(10):
+        at = NOW + k * 100 * MS
+        box.take_odometry(at + 700 * MS, SE2(0.1 * k, 0.0, 0.0), at)
+        box.take_bearings(ROBOTS, at + 700 * MS, np.array([0.1 * k]), at)
+    at = NOW + S
+    box.clock.take_note(at + 700 * MS, at - 20 * MS, at)  # 0.71 s ahead, within 10 ms
+    box.take_bearings(ROBOTS, at + 700 * MS, np.array([1.0]), at)
+    box.take_odometry(at + 700 * MS, SE2(1.0, 0.0, 0.0), at)
+    found = sight(box, at - 10 * MS)
+    assert found.stamp_ns == at - 10 * MS and found.view.bearings == pytest.approx([1.0])
+    assert isinstance(box.sight_at(NOW + 500 * MS), str)
+    assert box.motion(NOW + 500 * MS, at) is None
+
+
+def test_a_clock_known_better_and_better_moves_old_and_new_alike() -> None:
+    box = inbox(max_skew_s=0.1)
+    for k in range(20):
+        at = NOW + k * 100 * MS
+        way = 40 - k
+        offset = 500 * MS + (way // 2 if k % 2 else -way // 2) * MS  # within its error
+        box.clock.take_note(at + offset - way // 2 * MS, at - way * MS, at)
+        box.take_odometry(at + 500 * MS, SE2(0.1 * k, 0.0, 0.0), at)
+    motion = box.motion(NOW + 500 * MS, NOW + 1500 * MS)
+    assert motion is not None and motion.x == pytest.approx(1.0)
+
+
+def test_odometry_tells_nothing_of_a_gap() -> None:
+    box = inbox(carry_s=0.5)
+    drive(box, 1.0, 0.0)
+    box.take_odometry(NOW + 2 * S, SE2(9.0, 0.0, 0.0), NOW + 2 * S)
+    assert box.motion(NOW - S, NOW + S) is None
+    across = box.motion(NOW, NOW + 2 * S)
+    assert across is not None and across.x == pytest.approx(8.0)
+
+
+def test_a_clock_set_back_takes_all_it_sent_before_with_it() -> None:
+    box = inbox()
+    drive(box, 1.0, 0.0)
+    for k in range(11):
+        box.take_bearings(ROBOTS, NOW + k * 50 * MS, np.array([0.1]), NOW + S)
+    for k in range(10):
+        box.take_bearings(ROBOTS, NOW - 2 * S + k * 50 * MS, np.array([0.2]), NOW + S)
+    assert box.newest_ns == NOW - 2 * S + 450 * MS
+    assert box.motion(NOW - S, NOW) is None and box.counts["begun anew"] == 1

@@ -298,6 +298,59 @@ def test_covariances_are_true_over_many_drives() -> None:
     assert abs(np.mean(values) - 3.0) < 1.5 * spread
 
 
+def test_robots_placed_together_move_together() -> None:
+    """Of two robots whose errors are alike to 0.9, half of what one moves by is 0.45 for both."""
+    team = TeamFilter(["r1", "r2"], {}, CONFIG)
+    cov = np.kron([[1.0, 0.9], [0.9, 1.0]], np.eye(3))
+    team.place_jointly(["r1", "r2"], [], np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0]), cov)
+    assert team.update_pose("r1", certain(SE2(1.0, 0.0, 0.0), 1.0), NS)
+    found = team.estimates()
+    assert found["r1"].pose.as_array() == pytest.approx([0.5, 0.0, 0.0])
+    assert found["r2"].pose.as_array() == pytest.approx([2.45, 0.0, 0.0])
+    assert found["r2"].cov[0, 0] == pytest.approx(1.0 - 0.9**2 / 2.0)
+
+
+def test_a_robot_is_placed_as_seen_from_one_that_is_known_better() -> None:
+    """The answer has both 1 m off; that the second is 2 m ahead of the first it knows to 0.1 m."""
+    team = TeamFilter(["r1", "r2"], {}, CONFIG)
+    team.place("r1", certain(SE2(1.0, 0.0, 0.0), 0.1))
+    cov = np.kron([[1.01, 1.0], [1.0, 1.0]], np.eye(3))
+    team.place_jointly(["r2"], ["r1"], np.array([2.0, 0.0, 0.0, 0.0, 0.0, 0.0]), cov)
+    found = team.estimates()
+    assert found["r1"].pose.x == pytest.approx(1.0)
+    assert found["r2"].pose.x == pytest.approx(3.0)
+    assert np.diag(found["r2"].cov) == pytest.approx([0.02] * 3)
+    team.update_pose("r1", certain(SE2(1.1, 0.0, 0.0), 0.1), NS)
+    assert team.estimates()["r2"].pose.x == pytest.approx(3.05)
+
+
+def test_own_poses_that_follow_each_other_soon_count_for_less() -> None:
+    team = TeamFilter(["r"], {}, TeamFilterConfig(repeat_s=6.0))
+    team.place("r", certain(SE2.identity()))
+    for k in range(2):
+        team.update_pose("r", certain(SE2.identity()), k * NS)
+    assert team.estimates()["r"].cov[0, 0] == pytest.approx(1.0 / (200.0 + 100.0 / 7.0))
+
+
+def test_an_own_pose_out_of_the_question_changes_nothing() -> None:
+    team = placed()
+    before = {k: e.pose for k, e in team.estimates().items()}
+    assert not team.update_pose("r1", certain(SE2(9.0, 9.0, 0.0)), NS)
+    assert {k: e.pose for k, e in team.estimates().items()} == before
+
+
+def test_a_robot_that_is_forgotten_may_begin_at_any_stamp_and_from_nothing_seen_before() -> None:
+    team = TeamFilter(["r1"], LANDMARKS, CONFIG)
+    world = World(np.random.default_rng(5), poses={"r1": STARTS["r1"]}, bearing_sd=0.01)
+    team.predict("r1", SE2.identity(), 9 * NS)
+    seen = world.sightings("r1")
+    team.update("r1", seen[:3], 9 * NS)
+    team.forget("r1")
+    team.predict("r1", SE2.identity(), NS)
+    team.update("r1", seen[3:], NS)
+    assert not team.estimates()
+
+
 def test_repeated_bearings_count_for_less_than_new_ones() -> None:
     sds = []
     for gap_ns in (NS // 10, 100 * NS):

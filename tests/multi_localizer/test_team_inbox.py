@@ -175,3 +175,17 @@ def test_seeded_loss_delay_and_doubling_never_mix_times() -> None:
     assert max(skews) <= 40 * MS
     shares = [len(m.sights) for m in moments]
     assert shares.count(3) > 40 and min(shares) >= 1
+
+
+@pytest.mark.parametrize("back_s", [2, 8])
+def test_after_a_clock_set_back_no_moment_of_the_time_before_comes(back_s: int) -> None:
+    inbox = team(wait_s=0.1)
+    at, stamps = T, []
+    for k in range(60):
+        at = T + k * 100 * MS
+        for name in TEAM:
+            send(inbox, name, at - (back_s * S if k >= 30 else 0), at)
+        stamps += [m.stamp_ns for m in [inbox.take_due(at)] if m is not None]
+    back = [b - a for a, b in zip(stamps, stamps[1:], strict=False) if b <= a]
+    assert len(back) == 1 and stamps[-1] == at - back_s * S
+    assert len(stamps) >= 48

@@ -1,8 +1,9 @@
 """What came from one robot, by stamp, and what of it tells of one moment.
 
 Bearings taken a little before or after the moment are turned by the robot's own odometry, if there
-is one; what its way does to them besides is `team_parallax`'s. Stamps are brought to our clock
-first. Stamps and times in ns.
+is one; what its way does to them besides is `team_corrections`'. Values are kept by the robot's own
+stamps and read by our clock, so that all that is known of its clock counts for each of them; once
+its clock turns out to be another, all of it is forgotten. Stamps and times in ns.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.clock_offsets import TeammateClock
+from multi_localizer.odometry_track import pose_at
 from multi_localizer.pose_estimate import PoseEstimate, moved, propagate
 from multi_localizer.stamped_values import Arrival, StampedValues
 from multi_localizer.team_node_config import TeamTimingConfig
@@ -78,11 +80,12 @@ class RobotInbox:
     _bearings: dict[str, StampedValues[np.ndarray]] = field(default_factory=dict)
     _poses: StampedValues[PoseEstimate] = field(default_factory=StampedValues)
     _odometry: StampedValues[SE2] = field(default_factory=StampedValues)
+    _corrected_ns: int = 0  # by what the values were read last
 
     @property
     def newest_ns(self) -> int | None:
         """Stamp of its newest bearings to robots, by our clock."""
-        return self._of(ROBOTS).newest_ns
+        return self._own_ns(self._of(ROBOTS).newest_ns)
 
     @property
     def complete_ns(self) -> int | None:
@@ -91,7 +94,7 @@ class RobotInbox:
         if newest_ns is None:
             return None
         old_ns = newest_ns - round(self.config.robot_timeout_s * 1e9)
-        others = [values.newest_ns for values in self._bearings.values()]
+        others = [self._own_ns(values.newest_ns) for values in self._bearings.values()]
         return min(ns for ns in others if ns is not None and ns > old_ns)
 
     def take_bearings(self, kind: str, stamp_ns: int, bearings: np.ndarray, now_ns: int) -> bool:
@@ -134,7 +137,7 @@ class RobotInbox:
             return self.problem or self.mount_problem
         if self.problem:
             return self.problem
-        found = self._of(ROBOTS).nearest(stamp_ns)
+        found = self._nearest(self._of(ROBOTS), stamp_ns)
         if found is None:
             return "no bearings"
         taken_ns, bearings = found
@@ -153,24 +156,43 @@ class RobotInbox:
 
     def clear(self) -> None:
         """Forget all that has a stamp: our clock jumped."""
-        for values in self._bearings.values():
-            values.clear()
-        self._poses.clear()
-        self._odometry.clear()
+        self._drop_values()
         self.clock.restart()
+        self._corrected_ns = 0
         self.heard_ns = None
 
     def _of(self, kind: str) -> StampedValues[np.ndarray]:
         return self._bearings.setdefault(kind, StampedValues())
 
     def _take(self, values: StampedValues[V], stamp_ns: int, value: V, now_ns: int) -> bool:
-        own_ns = stamp_ns - self._correction_ns()
-        if stamp_ns <= 0 or own_ns > now_ns + _AHEAD_NS:
+        correction_ns = self._correction_ns()
+        if stamp_ns <= 0 or stamp_ns - correction_ns > now_ns + _AHEAD_NS:
             self.counts["unstamped" if stamp_ns <= 0 else "ahead"] += 1
             return False
-        arrival = values.add(own_ns, value)
+        if abs(correction_ns - self._corrected_ns) > self.config.max_skew_s * 1e9:
+            self._drop_values()
+        self._corrected_ns = correction_ns
+        arrival = values.add(stamp_ns, value)
+        if arrival is Arrival.ANEW:  # then all else that it sent is of the time before, too
+            self._drop_values()
+            values.add(stamp_ns, value)
         self.counts[arrival.value] += 1
-        return arrival in (Arrival.NEW, Arrival.LATE)
+        return arrival in (Arrival.NEW, Arrival.LATE, Arrival.ANEW)
+
+    def _drop_values(self) -> None:
+        for values in self._bearings.values():
+            values.clear()
+        self._poses.clear()
+        self._odometry.clear()
+
+    def _own_ns(self, stamp_ns: int | None) -> int | None:
+        """Return one of its stamps by our clock."""
+        return None if stamp_ns is None else stamp_ns - self._corrected_ns
+
+    def _nearest(self, values: StampedValues[V], stamp_ns: int) -> tuple[int, V] | None:
+        """Return the value nearest to a stamp, and its own stamp, both by our clock."""
+        found = values.nearest(stamp_ns + self._corrected_ns)
+        return None if found is None else (found[0] - self._corrected_ns, found[1])
 
     def _correction_ns(self) -> int:
         offset = self.clock.offset
@@ -192,7 +214,7 @@ class RobotInbox:
         """Return bearings of other classes, taken together with those to robots."""
         found: dict[str, np.ndarray] = {}
         for kind in sorted(kinds & self._bearings.keys()):
-            nearest = self._of(kind).nearest(taken_ns)
+            nearest = self._nearest(self._of(kind), taken_ns)
             turn = None if nearest is None else self._turn_since(nearest[0], stamp_ns)
             if nearest is not None and turn is not None:
                 found[kind] = _turned(nearest[1], turn)
@@ -200,7 +222,7 @@ class RobotInbox:
 
     def _rough(self, stamp_ns: int) -> PoseEstimate | None:
         """Return where its camera is by its own localization, brought to a moment."""
-        nearest = self._poses.nearest(stamp_ns)
+        nearest = self._nearest(self._poses, stamp_ns)
         if nearest is None or self.mount is None:
             return None
         pose_ns, estimate = nearest
@@ -217,23 +239,10 @@ class RobotInbox:
         return motion, np.diag(sd**2)
 
     def _odometry_at(self, stamp_ns: int) -> SE2 | None:
-        """Return its pose by odometry; beyond the newest for as long as bearings may be apart."""
-        before, after = self._odometry.around(stamp_ns)
-        if before is None:
-            return None
-        if after is not None:
-            span = after[0] - before[0]
-            share = (stamp_ns - before[0]) / span if span else 0.0
-            return before[1].interpolate(after[1], share)
-        earlier, _ = self._odometry.around(before[0] - 1)
-        if stamp_ns - before[0] > self.config.max_skew_s * 1e9 or earlier is None:
-            return None
-        share = (stamp_ns - earlier[0]) / (before[0] - earlier[0])
-        return earlier[1] @ _times(earlier[1].between(before[1]), share)
-
-
-def _times(motion: SE2, share: float) -> SE2:
-    return SE2(share * motion.x, share * motion.y, share * motion.yaw)
+        """Return its pose by odometry; in gaps of it only for as long as bearings are carried."""
+        skew_s = self.config.max_skew_s
+        gap_ns = 1e9 * max(self.config.carry_s, skew_s)
+        return pose_at(self._odometry, stamp_ns + self._corrected_ns, gap_ns, 1e9 * skew_s)
 
 
 def _turned(bearings: np.ndarray, turn: float) -> np.ndarray:

@@ -1,8 +1,8 @@
 """Values by stamp, a few seconds of them: found by the nearest stamp, whatever order they came in.
 
 Messages between robots come late, twice or not at all. One that comes twice is told from two, one
-that comes late takes its place among the others, and one too late for that is refused, unless that
-goes on: then the sender's clock was set back, and all begins anew.
+that comes late takes its place among the others, and one too late for that is refused. When nothing
+else comes any more, the sender's clock was set back, and all begins anew.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ class Arrival(Enum):
     LATE = "put in its place"
     DOUBLED = "doubled"
     TOO_LATE = "too late"
+    ANEW = "begun anew"
 
 
 class StampedValues(Generic[V]):
@@ -38,7 +39,7 @@ class StampedValues(Generic[V]):
         self._keep_ns = keep_ns
         self._stamps: list[int] = []
         self._values: list[V] = []
-        self._num_too_late = 0
+        self._num_late = 0
 
     def __len__(self) -> int:
         """Return how many there are."""
@@ -52,16 +53,18 @@ class StampedValues(Generic[V]):
     def add(self, stamp_ns: int, value: V) -> Arrival:
         """Put a value in its place; the first of one stamp counts."""
         at = bisect_left(self._stamps, stamp_ns)
-        if at < len(self._stamps) and self._stamps[at] == stamp_ns:
-            return Arrival.DOUBLED
-        if self._stamps and stamp_ns < self._stamps[-1] - self._keep_ns:
-            self._num_too_late += 1
-            if self._num_too_late < _LATE_IN_A_ROW:
-                return Arrival.TOO_LATE
-            self.clear()
-            at = 0
-        self._num_too_late = 0
         is_newest = at == len(self._stamps)
+        if stamp_ns == self.newest_ns:
+            return Arrival.DOUBLED
+        self._num_late = 0 if is_newest else self._num_late + 1
+        if self._num_late == _LATE_IN_A_ROW:
+            self.clear()
+            self._stamps, self._values = [stamp_ns], [value]
+            return Arrival.ANEW
+        if not is_newest and self._stamps[at] == stamp_ns:
+            return Arrival.DOUBLED
+        if not is_newest and stamp_ns < self._stamps[-1] - self._keep_ns:
+            return Arrival.TOO_LATE
         self._stamps.insert(at, stamp_ns)
         self._values.insert(at, value)
         num_old = bisect_left(self._stamps, self._stamps[-1] - self._keep_ns)
@@ -87,4 +90,4 @@ class StampedValues(Generic[V]):
         """Forget all."""
         self._stamps.clear()
         self._values.clear()
-        self._num_too_late = 0
+        self._num_late = 0

@@ -83,7 +83,8 @@ class TeamAnswers:
                 break
             solution = solve_team(views, self._positions, self.config)
         if self._over_time is not None:
-            solution = self._over_time.follow(moment.stamp_ns, views, solution, self._motion)
+            own = self._own_poses(moment)
+            solution = self._over_time.follow(moment.stamp_ns, views, solution, self._motion, own)
         most = largest_change(start, views)
         self._last = TeamAnswer(moment, solution, self._bases(solution, views), most)
         return self._last
@@ -121,6 +122,15 @@ class TeamAnswers:
 
     def _motion(self, name: str, from_ns: int, to_ns: int) -> SE2 | None:
         return self._inbox.robots[name].camera_motion(from_ns, to_ns)
+
+    def _own_poses(self, moment: Moment) -> dict[str, PoseEstimate]:
+        """Return where robots are by themselves, if that tells more than their bearings."""
+        return {
+            view.name: view.rough
+            for view in moment.views
+            if view.rough is not None
+            and not (self.poses_use_landmarks and any(map(len, view.landmark_bearings.values())))
+        }
 
     def _prepared(self, view: RobotView, stamp_ns: int) -> RobotView:
         """Return a view with a start for the search, and whether that is evidence."""

@@ -122,16 +122,48 @@ class TeamFilter:
         """Say where a robot is, from another source; what was known of its pose is dropped."""
         robot = self._robot(name)
         self._state.place(robot.index, estimate)
-        robot.is_located = True
-        robot.outcomes.clear()
+        robot.find()
+
+    def place_jointly(
+        self, fresh: Sequence[str], held: Sequence[str], mean: np.ndarray, cov: np.ndarray
+    ) -> None:
+        """Say where robots are by one answer for them and for others that are located.
+
+        Args:
+            fresh: Whom to place; what was known of their poses is dropped.
+            held: The others; they stay where they are.
+            mean: x, y, yaw of all by that answer, `fresh` first, (3 (F + H),).
+            cov: Of that.
+        """
+        fresh_indices, held_indices = ([self._robot(n).index for n in g] for g in (fresh, held))
+        self._state.place_jointly(fresh_indices, held_indices, mean, cov)
+        for name in fresh:
+            self._robots[name].find()
+
+    def update_pose(self, name: str, estimate: PoseEstimate, stamp_ns: int) -> bool:
+        """Correct the team by a robot's pose from another source; return whether it was used.
+
+        One that follows another soon is like it, and counts for less, as with bearings.
+        """
+        robot = self._robot(name)
+        if not robot.is_located:
+            return False
+        wider = robot.times_wider(name, stamp_ns, self._config)
+        used = self._state.learn_pose(
+            robot.index, PoseEstimate(estimate.pose, wider * estimate.cov)
+        )
+        if used:
+            robot.seen_ns[name] = stamp_ns
+        return used
+
+    def note_seen(self, name: str, meaning: str, stamp_ns: int) -> None:
+        """Note that a robot's look at something is in the poses already."""
+        self._robot(name).seen_ns[meaning] = stamp_ns
 
     def forget(self, name: str) -> None:
-        """Take a robot for lost: it starts anew from what it saw last."""
-        robot = self._robot(name)
-        self._state.clear(robot.index)
-        robot.is_located = False
-        while len(robot.clues) > self._config.lost_looks:
-            robot.clues.popleft()
+        """Drop all that is known of a robot and its way, as when its odometry has a gap."""
+        self._state.clear(self._robot(name).index)
+        self._robots[name].start_anew()
 
     def _robot(self, name: str) -> RobotRecord:
         if name not in self._robots:
@@ -204,7 +236,8 @@ class TeamFilter:
         robot, config = self._robots[name], self._config
         robot.trim(stamp_ns, config)
         if robot.is_lost(config):
-            self.forget(name)
+            self._state.clear(robot.index)
+            robot.lose(config)
         if self._landmarks and robot.is_start_due(stamp_ns):
             middle = np.array(list(self._landmarks.values()))
             start = find_start(list(robot.clues), robot.driven, middle, config)

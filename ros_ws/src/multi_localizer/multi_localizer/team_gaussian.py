@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from floornav_common.se2 import SE2
-from multi_localizer.pose_estimate import PoseEstimate
+from multi_localizer.pose_estimate import PoseEstimate, difference, mahalanobis
 from multi_localizer.team_filter_config import TeamFilterConfig
 from multi_localizer.team_filter_kernels import (
     CURVE,
@@ -57,15 +58,41 @@ class TeamGaussian:
 
     def place(self, robot: int, estimate: PoseEstimate) -> None:
         """Set a robot's pose, unrelated to the others; its sensors' errors become the prior's."""
+        self.place_jointly([robot], [], estimate.pose.as_array(), estimate.cov)
+
+    def place_jointly(
+        self, fresh: Sequence[int], held: Sequence[int], mean: np.ndarray, cov: np.ndarray
+    ) -> None:
+        """Set poses of robots from one answer for them and others, related as that answer says.
+
+        Of the others, whose poses stay as they are, it counts where they are seen from `fresh`.
+
+        Args:
+            fresh: The robots to set; their sensors' errors become the prior's.
+            held: Located robots that the answer has as well.
+            mean: x, y, yaw of all of them, `fresh` first, (3 (F + H),).
+            cov: Of that.
+        """
+        for robot in fresh:
+            self._clear_with_prior(robot)
+        new, old, num = _pose_rows(fresh), _pose_rows(held), 3 * len(fresh)
+        by_held = np.linalg.solve(cov[num:, num:], cov[num:, :num]).T
+        off = self._mean[old] - mean[num:]
+        off[2::3] = (off[2::3] + np.pi) % (2.0 * np.pi) - np.pi
+        self._mean[new] = mean[:num] + by_held @ off
+        across = by_held @ self._cov[old]
+        self._cov[new] += across
+        self._cov[:, new] += across.T
+        own = cov[:num, :num] - by_held @ cov[num:, :num] + across[:, old] @ by_held.T
+        self._cov[np.ix_(new, new)] = 0.5 * (own + own.T)
+
+    def _clear_with_prior(self, robot: int) -> None:
         config = self._config
         self.clear(robot)
-        o = robot * SIZE
-        self._mean[o : o + 3] = estimate.pose.as_array()
-        self._cov[o : o + 3, o : o + 3] = estimate.cov
         sds = [config.offset_sd_rad, config.scale_sd, config.travel_scale_sd]
         sds += [config.turn_scale_sd, config.curve_sd, config.drag_sd]
         for state, sd in zip((OFFSET, SCALE, TRAVEL, TURN, CURVE, DRAG), sds, strict=True):
-            self._cov[o + state, o + state] = sd**2
+            self._cov[robot * SIZE + state, robot * SIZE + state] = sd**2
 
     def clear(self, robot: int) -> None:
         """Drop all that is known of a robot."""
@@ -121,6 +148,17 @@ class TeamGaussian:
         learn(self._mean, self._cov, self._gain, off, var + noise * soft)
         return square, True
 
+    def learn_pose(self, robot: int, estimate: PoseEstimate) -> bool:
+        """Correct the team by a robot's pose from another source; return whether it was used."""
+        now, rows = self.pose(robot), _pose_rows([robot])
+        if mahalanobis(now, estimate) > self._config.gate_sd**2:
+            return False
+        gain = np.linalg.solve(now.cov + estimate.cov, self._cov[rows]).T
+        self._mean += gain @ difference(estimate.pose, now.pose)
+        cov = self._cov - gain @ self._cov[rows]
+        self._cov = 0.5 * (cov + cov.T)
+        return True
+
     def pose(self, robot: int) -> PoseEstimate:
         """Return a robot's pose."""
         o = robot * SIZE
@@ -144,6 +182,11 @@ class TeamGaussian:
         """Return what a robot's sensors do wrong, as estimated so far."""
         o = robot * SIZE
         return SensorErrors(*(float(value) for value in self._mean[o + OFFSET : o + SIZE]))
+
+
+def _pose_rows(robots: Sequence[int]) -> np.ndarray:
+    """Return the states that are x, y and yaw of robots, (3 N,)."""
+    return (SIZE * np.array(robots, dtype=int)[:, None] + np.arange(3)).ravel()
 
 
 def motion_cov(way: float, turned: float, config: TeamFilterConfig) -> np.ndarray:

@@ -93,6 +93,9 @@ class TeamInbox:
             return
         if self._last_ns is not None and newest_ns < self._last_ns - 1e9 * self._config.carry_s:
             self._last_ns = None  # the leader's clock was set back, or another leads
+            self._pending = []
+        if self._last_ns is not None and newest_ns <= self._last_ns:
+            return
         if newest_ns not in [stamp for stamp, _ in self._pending]:
             self._pending = [*self._pending, (newest_ns, passed_ns)][-_MAX_PENDING:]
 

@@ -48,13 +48,36 @@ class RobotRecord:
         self.driven = self.driven.moved(motion)
         return (stamp_ns - last_ns) / _NS
 
+    def start_anew(self) -> None:
+        """Forget the way and all that was seen on it; the next motion may have any stamp."""
+        self.driven = Driven(SE2.identity())
+        self.clues.clear()
+        self.outcomes.clear()
+        self.seen_ns.clear()
+        self.stamp_ns = self._tried_ns = None
+        self.is_located = False
+
+    def find(self) -> None:
+        """Take the robot for located."""
+        self.is_located = True
+        self.outcomes.clear()
+
+    def lose(self, config: TeamFilterConfig) -> None:
+        """Take the robot for lost: it starts anew from what it saw last."""
+        self.is_located = False
+        while len(self.clues) > config.lost_looks:
+            self.clues.popleft()
+
+    def times_wider(self, meaning: str, stamp_ns: int, config: TeamFilterConfig) -> float:
+        """Return what to multiply a variance with: the sooner a look repeats the last, the more."""
+        if meaning not in self.seen_ns:
+            return 1.0
+        gap = max((stamp_ns - self.seen_ns[meaning]) / _NS, _SOONEST_S)
+        return 1.0 + config.repeat_s / gap
+
     def bearing_var(self, meaning: str, stamp_ns: int, config: TeamFilterConfig) -> float:
         """Return the variance of a bearing, rad^2: the sooner it repeats the last, the wider."""
-        var = config.bearing_sd_rad**2
-        if meaning not in self.seen_ns:
-            return var
-        gap = max((stamp_ns - self.seen_ns[meaning]) / _NS, _SOONEST_S)
-        return var * (1.0 + config.repeat_s / gap)
+        return config.bearing_sd_rad**2 * self.times_wider(meaning, stamp_ns, config)
 
     def add_clue(
         self,

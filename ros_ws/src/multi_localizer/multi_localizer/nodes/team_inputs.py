@@ -1,6 +1,7 @@
 """The topics of each robot in a team, put into its inbox.
 
-Absolute names are built from the team's namespaces here, in `team_mounts` and in `team_clocks`.
+Absolute names are built from the team's namespaces here, in `team_mounts`, in `team_clocks` and in
+`team_outputs`.
 """
 
 from __future__ import annotations
@@ -53,7 +54,6 @@ class TeamInputs:
         self._node, self._inbox, self._mounts = node, inbox, mounts
         self._on_new = on_bearings
         self._warnings = {name: Throttle(_WARN_PERIOD_NS) for name in inbox.robots}
-        self._doubled: dict[str, str] = {}
         for name, robot in inbox.robots.items():
             for kind in (ROBOTS, *kinds):
                 self._subscribe(PoseArray, f"{name}/bearings/{kind}", self._bearings(robot, kind))
@@ -76,7 +76,6 @@ class TeamInputs:
             if num > 1:
                 names = " and ".join(publisher_names(self._node, topic))
                 text = f"{num} nodes publish {topic}, {names}: two robots of one name?"
-            self._doubled[name] = text
             self._inbox.robots[name].problem = text
 
     def _now_ns(self) -> int:
@@ -89,8 +88,6 @@ class TeamInputs:
             mount = self._mounts.find(robot.name, msg.header.frame_id.lstrip("/"))
             if mount is None:
                 robot.mount_problem = self._mounts.missing_text(msg.header.frame_id, robot.name)
-                if robot.mount is None:
-                    self._warn(robot, robot.mount_problem)
             elif kind == ROBOTS:
                 robot.mount = mount
             is_new = robot.take_bearings(kind, stamp_ns, bearings_from_msg(msg), now_ns)
