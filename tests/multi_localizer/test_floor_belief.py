@@ -103,7 +103,6 @@ def test_masks_are_counted_for_what_follows_only() -> None:
 
 def test_what_is_open_is_said_with_what_would_tell() -> None:
     assert why_open([at(0.0, 1.0, 2)], ("blue",), 3) == "2 of 3 masks have shown it yet"
-    assert "2 poses fit alike: no goal (blue or red)" in why_open(
-        [at(0), at(1)], ("blue", "red"), 3
-    )
+    both = [at(0.0), at(1.0)]
+    assert "2 poses fit alike: no goal (blue or red)" in why_open(both, ("blue", "red"), 3)
     assert "initialpose" in why_open(both, (), 3)
