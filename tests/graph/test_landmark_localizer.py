@@ -17,11 +17,19 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from robot_messages import statuses
+from tf2_msgs.msg import TFMessage
 
 from floornav_common.ros.diagnostics import ERROR, OK, WARN
-from floornav_common.ros.messages import ns_to_stamp, pose_to_se2, poses_to_msg, stamp_to_ns
+from floornav_common.ros.messages import (
+    ns_to_stamp,
+    pose_to_se2,
+    poses_to_msg,
+    se2_to_pose,
+    stamp_to_ns,
+    transform_from_msg,
+)
 from floornav_common.ros.qos import RELIABLE_QOS
-from floornav_common.ros.transforms import StaticTransformBroadcaster
+from floornav_common.ros.transforms import StaticTransformBroadcaster, TransformBroadcaster
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
 from multi_localizer.landmarks import load_landmarks
@@ -37,6 +45,7 @@ FIELD = load_landmarks("middle_size_field")
 T_BASE_FLOOR = SE2(0.1, 0.0, 0.0)
 FRAME = "omni_camera_floor"
 HERE = SE2(1.0, -0.7, 0.6)
+ODOM = SE2(5.0, -3.0, 1.0)
 
 
 def bearings_from(base: SE2) -> dict[str, float]:
@@ -52,8 +61,10 @@ def bearings_from(base: SE2) -> dict[str, float]:
 class LandmarkRobot:
     """Sends bearings of all classes, one moment after the other."""
 
-    def __init__(self, peer: Any, node: Any) -> None:
+    def __init__(self, peer: Any, node: Any, has_odometry: bool = False) -> None:
         self.peer, self.stamp_ns = peer, 5_000_000_000
+        self.frames = dict.fromkeys(FIELD, FRAME)
+        self.odometry = peer.publisher(Odometry, "odom", RELIABLE_QOS) if has_odometry else None
         self.topics = {
             kind: peer.publisher(PoseArray, f"bearings/{kind}", RELIABLE_QOS, to=node)
             for kind in FIELD
@@ -67,20 +78,36 @@ class LandmarkRobot:
         """Say where the camera is."""
         self._statics.send("base_link", FRAME, 0, Transform3.from_se2(T_BASE_FLOOR))
 
-    def see(self, bearings: Mapping[str, float]) -> None:
+    def stand_beside(self, kind: str, frame: str, T_base_sensor: SE2) -> None:
+        """Let one class be seen in another frame."""
+        self.frames[kind] = frame
+        self._statics.send("base_link", frame, 0, Transform3.from_se2(T_base_sensor))
+
+    def drive(self, T_odom_base: SE2) -> None:
+        """Say where odometry has the robot, up to what will be seen next."""
+        odom = Odometry(child_frame_id="base_link")
+        odom.header.frame_id = "odom"
+        odom.header.stamp = ns_to_stamp(self.stamp_ns + 150_000_000)
+        odom.pose.pose = se2_to_pose(T_odom_base)
+        assert self.odometry is not None
+        self.odometry.publish(odom)
+
+    def see(self, bearings: Mapping[str, Any]) -> None:
         """Send a moment: an empty array of each class that is not seen."""
+        if self.odometry is not None:
+            self.drive(ODOM)
         self.stamp_ns += 100_000_000
         for kind, publisher in self.topics.items():
-            seen = [SE2(0.0, 0.0, 0.0)] if kind in bearings else []
-            msg = poses_to_msg(seen, ns_to_stamp(self.stamp_ns), FRAME)
-            for pose in msg.poses:
-                half = bearings[kind] / 2.0
+            values = np.atleast_1d(bearings[kind]) if kind in bearings else np.zeros(0)
+            seen = [SE2(0.0, 0.0, 0.0)] * len(values)
+            msg = poses_to_msg(seen, ns_to_stamp(self.stamp_ns), self.frames[kind])
+            for pose, half in zip(msg.poses, (values / 2.0).tolist(), strict=True):
                 void = not math.isfinite(half)
                 pose.orientation.z = half if void else math.sin(half)
                 pose.orientation.w = half if void else math.cos(half)
             publisher.publish(msg)
 
-    def see_until(self, bearings: Mapping[str, float], is_done: Callable[[], bool]) -> None:
+    def see_until(self, bearings: Mapping[str, Any], is_done: Callable[[], bool]) -> None:
         for _ in range(400):
             self.see(bearings)
             if self.peer.spin_until(is_done, 0.15, must=False):
@@ -114,6 +141,16 @@ def test_bearings_become_a_pose_or_a_reason_why_not(start: Any, peer: Any) -> No
     assert msg.header.frame_id == "map" and stamp_to_ns(msg.header.stamp) % 100_000_000 == 0
     assert 0.001 < math.sqrt(estimate.cov[0, 0]) < 0.1
 
+    turned = SE2(T_BASE_FLOOR.x, T_BASE_FLOOR.y, 1.0)
+    robot.stand_beside("goal_blue_left", "turned_camera", turned)
+    moved = {**seen, "goal_blue_left": seen["goal_blue_left"] - 1.0}
+    robot.poses.clear()
+    robot.see_until(moved, lambda: len(robot.poses) > 3 and robot.says(OK, "known")())
+    assert np.abs(difference(pose_to_se2(robot.poses[-1].pose.pose), HERE)).max() < NEAR_M
+    robot.stand_beside("goal_blue_left", "other_camera", SE2(0.5, 0.0, 0.0))
+    robot.see_until(seen, robot.says(ERROR, "goal_blue_left are seen from 0.40 m beside"))
+    robot.frames["goal_blue_left"] = FRAME
+
     two = {kind: seen[kind] for kind in ("goal_blue_left", "goal_yellow_left")}
     bad = [
         ({}, "no landmark is seen"), (two, "two landmarks leave a circle open"),
@@ -126,9 +163,54 @@ def test_bearings_become_a_pose_or_a_reason_why_not(start: Any, peer: Any) -> No
         robot.see_until(bearings, robot.says(ERROR, words))
         assert len(robot.poses) == num
 
-    one_void = {**seen, "goal_blue_left": math.nan}
+    three = {**seen, "goal_blue_left": math.nan}
+    robot.see_until(three, robot.says(ERROR, "1 more to confirm them"))
+    one_void = {**seen, "goal_blue_left": (seen["goal_blue_left"], math.nan)}
     robot.see_until(one_void, robot.says(WARN, "1 bearings are not numbers"))
     assert np.abs(difference(pose_to_se2(robot.poses[-1].pose.pose), HERE)).max() < NEAR_M
+
+    robot.stamp_ns = 1_000_000_000  # set back, and no /clock that says so
+    again = lambda: stamp_to_ns(robot.poses[-1].header.stamp) < 4_000_000_000  # noqa: E731
+    robot.see_until(seen, lambda: again() and robot.says(OK, "known")())
+    assert node.stop() == 0
+
+
+def test_map_to_odom_is_sent_while_the_pose_is_known_and_nobody_else_does(
+    start: Any, peer: Any
+) -> None:
+    node = start(*NODE, "--ros-args", "-p", "publish_tf:=true")
+    node.wait_for("ready", START_S)
+    robot, seen = LandmarkRobot(peer, node, has_odometry=True), bearings_from(HERE)
+    heard: list[TFMessage] = peer.collect(TFMessage, "/tf", 100)
+    robot.stand()
+
+    def sent() -> list[SE2]:
+        return [
+            transform_from_msg(each.transform).to_se2()
+            for msg in heard
+            for each in msg.transforms
+            if (each.header.frame_id, each.child_frame_id) == ("map", "odom")
+        ]
+
+    robot.see_until(seen, lambda: len(sent()) >= 3)
+    assert np.abs(difference(sent()[-1], HERE @ ODOM.inverse())).max() < 0.01
+
+    robot.see_until({}, robot.says(ERROR, "no landmark is seen"))
+    peer.spin(0.5)
+    heard.clear()
+    robot.see_until({}, robot.says(ERROR, "no landmark is seen"))
+    peer.spin(0.5)
+    assert not sent()
+
+    other, foreign = TransformBroadcaster(peer.node), Transform3.from_se2(SE2(9.0, 9.0, 0.0))
+    robot.see_until(seen, lambda: len(sent()) >= 3)
+    other.send("map", "odom", robot.stamp_ns, foreign)
+    contested = robot.says(ERROR, "also published by", "transform map to odom")
+    robot.see_until(seen, contested)
+    heard.clear()
+    robot.poses.clear()
+    robot.see_until(seen, lambda: len(robot.poses) >= 5)
+    assert contested() and not sent()  # its pose goes on, the transform is the other's
     assert node.stop() == 0
 
 

@@ -57,3 +57,32 @@ def test_what_waits_is_bounded() -> None:
     groups.add("b", 0, 0, 0)
     left = [g for k in range(1, 100) for g in groups.add("a", k, k, 0)]
     assert [stamp for stamp, _ in left] == list(range(1, 80))
+
+
+def test_the_other_keys_are_not_waited_for_after_a_jump_back() -> None:
+    groups = StampGroups(WAIT)
+    groups.add("gone", 1000, 1, 0)
+    groups.clear()
+    assert groups.add("a", 10, 2, 1) == [(10, {"a": 2})]
+
+
+def test_stamps_set_back_begin_a_new_order_after_some_moments() -> None:
+    """Nobody says that the clock jumped: late values of moment after moment do."""
+    groups, now_ns = StampGroups(WAIT), 0
+    left: list[int] = []
+    for stamp_ns in (*range(100_000, 101_000, 100), *range(1_000, 3_000, 100)):
+        now_ns += 100
+        for key in ("a", "b"):
+            left += [stamp for stamp, _ in groups.add(key, stamp_ns, 0, now_ns)]
+    assert left[-10:] == list(range(2_000, 3_000, 100))
+    assert groups.num_late < 15
+
+
+def test_what_is_always_late_does_not_begin_a_new_order() -> None:
+    groups, left = StampGroups(WAIT), []
+    for k in range(1, 50):
+        left += groups.add("a", 100 * k, k, 100 * k)
+        left += groups.overdue(100 * k + WAIT)
+        left += groups.add("slow", 100 * (k - 1), k, 100 * k + WAIT)
+    assert [stamp for stamp, _ in left] == [100 * k for k in range(1, 50)]
+    assert all(set(group) == {"a"} for _, group in left)

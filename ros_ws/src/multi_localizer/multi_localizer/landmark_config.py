@@ -11,7 +11,7 @@ from floornav_common.config import param, validate
 class LandmarkConfig:
     """Pose from bearings of landmarks, and distances where the floor shows them."""
 
-    bearing_sd_rad: float = param(0.004, "Deviation of a bearing.", unit="rad", gt=0.0, le=0.5)
+    bearing_sd_rad: float = param(0.01, "Deviation of a bearing.", unit="rad", gt=0.0, le=0.5)
     floor_offset_px: float = param(
         1.0,
         "How far before a foot the floor ends in the mask: pixels that are part landmark.",
@@ -29,6 +29,12 @@ class LandmarkConfig:
     max_yaw_sd_rad: float = param(
         0.2, "No pose is given if its yaw is known less well.", unit="rad", gt=0.0
     )
+    min_spare: int = param(
+        1,
+        "How many more bearings and distances must agree than the three numbers a pose needs. "
+        "With 0 a pose of three is sent too: one false bearing among them does not show.",
+        ge=0, le=20,
+    )  # fmt: skip
     ambiguity_sd: float = param(
         3.0,
         "Two poses are told apart if the squared deviations of the better are less by the square "
@@ -62,10 +68,20 @@ class LandmarkNodeConfig:
         "YAML of the camera, or the name of one brought along; only `method: floor` needs it.",
         read_only=True,
     )  # fmt: skip
+    floor_frame: str = param(
+        "omni_camera_floor",
+        "Frame below the camera on the floor, without the prefix; only `method: floor` needs it.",
+        read_only=True,
+    )  # fmt: skip
     wait_s: float = param(
         0.15, "How long what is seen at one moment waits for the rest of it.", unit="s", gt=0.0
     )
-    input_timeout_s: float = param(1.0, "Silence of the bearings allowed.", unit="s", gt=0.0)
+    input_timeout_s: float = param(
+        1.0,
+        "Silence of the bearings, and of views put together of them, allowed.",
+        unit="s",
+        gt=0.0,
+    )
     publish_tf: bool = param(False, "Send map->odom, unless somebody else does.", read_only=True)
 
     def __post_init__(self) -> None:

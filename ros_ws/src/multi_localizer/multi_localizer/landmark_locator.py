@@ -1,4 +1,4 @@
-"""From what is seen of landmarks to a pose: who is who, what is false, and whether it is sure."""
+"""From what is seen of landmarks to a pose: who is who, and what is false."""
 
 from __future__ import annotations
 
@@ -9,30 +9,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floornav_common.se2 import SE2
+from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.landmark_config import LandmarkConfig
-from multi_localizer.landmark_fit import (
-    PoseFit,
-    Sighting,
-    estimate_of,
-    fit_pose,
-    is_curved,
-    open_geometry,
-    residuals,
-    without_distance,
+from multi_localizer.landmark_fit import Sighting, fit_pose, residuals, without_distance
+from multi_localizer.landmark_judge import (
+    CONTRADICTING,
+    NEED,
+    Assignment,
+    Explanation,
+    are_apart,
+    judge,
 )
 from multi_localizer.landmark_starts import choices, refined_poses, rough_costs
 from multi_localizer.landmarks import Landmark, Landmarks
-from multi_localizer.pose_estimate import PoseEstimate, mahalanobis
+from multi_localizer.pose_estimate import PoseEstimate
 
-_NEED = 3  # numbers for three unknowns
 _KEPT = 6  # best tries that are fitted to the end
-_SAME_START_M = 0.1
-_SAME_CHI2 = 9.0
-_CLEARLY_OTHER_M = 0.3
-_CONTRADICTING = "the bearings contradict each other: no place fits most of them"
-Assignment = tuple[tuple[Sighting, Landmark] | None, ...]
-"""Of each sighting what is used of it, with or without its distance, and the landmark it is of."""
+_SAME_START_M, _SAME_START_RAD = 0.1, 0.1
 
 
 @dataclass(frozen=True)
@@ -44,7 +37,7 @@ class LandmarkFix:
         problem: Why there is none; "" if there is.
         num_used: Sightings that made it.
         num_left_out: Sightings that fit no landmark.
-        note: What was left out before, in words.
+        note: What was left out before, or is missing, in words.
     """
 
     estimate: PoseEstimate | None
@@ -52,13 +45,6 @@ class LandmarkFix:
     num_used: int = 0
     num_left_out: int = 0
     note: str = ""
-
-
-@dataclass(frozen=True)
-class _Try:
-    fit: PoseFit
-    marks: Assignment
-    cost: float
 
 
 class LandmarkLocator:
@@ -77,7 +63,7 @@ class LandmarkLocator:
     def locate(self, sightings: Sequence[Sighting]) -> LandmarkFix:
         """Return the one pose that explains what was seen, or why there is none."""
         usable, note = self._usable(sightings)
-        if sum(s.num_values for s in usable) < _NEED:
+        if sum(s.num_values for s in usable) < NEED:
             return LandmarkFix(None, _too_few(usable), note=note)
         tries = self._tries(usable)
         if not tries:
@@ -85,10 +71,11 @@ class LandmarkLocator:
         best = tries[0]
         used = [pair for pair in best.marks if pair is not None]
         num_out = len(usable) - len(used)
-        problem, estimate = self._judge(best, used, tries, sum(s.num_values for s in usable))
-        if problem:
-            return LandmarkFix(None, problem, 0, num_out, note)
-        return LandmarkFix(estimate, "", len(used), num_out, note)
+        verdict = judge(tries, sum(s.num_values for s in usable), self._config)
+        if verdict.problem:
+            return LandmarkFix(None, verdict.problem, 0, num_out, note)
+        notes = "; ".join(words for words in (note, verdict.note) if words)
+        return LandmarkFix(verdict.estimate, "", len(used), num_out, notes)
 
     def _usable(self, sightings: Sequence[Sighting]) -> tuple[list[Sighting], str]:
         finite = [s for s in sightings if math.isfinite(s.bearing)]
@@ -100,51 +87,22 @@ class LandmarkLocator:
             notes.append(f"{len(finite) - len(known)} bearings of no known class")
         return known, "; ".join(notes)
 
-    def _judge(
-        self, best: _Try, used: list[tuple[Sighting, Landmark]], tries: list[_Try], num_seen: int
-    ) -> tuple[str, PoseEstimate | None]:
-        seen, marks = [s for s, _ in used], [m for _, m in used]
-        num_values = sum(s.num_values for s in seen)
-        if num_values < _NEED or len(used) < len(best.marks) / 2.0:
-            return _CONTRADICTING, None
-        if num_values == _NEED < num_seen:
-            return f"{_CONTRADICTING}, and nothing confirms those that do", None
-        estimate = estimate_of(best.fit)
-        if estimate is None:
-            return open_geometry(best.fit.pose, marks), None
-        sd_m = math.sqrt(np.linalg.eigvalsh(estimate.cov[:2, :2])[1])
-        sd_yaw = math.sqrt(estimate.cov[2, 2])
-        if sd_m > self._config.max_position_sd_m or sd_yaw > self._config.max_yaw_sd_rad:
-            why = open_geometry(best.fit.pose, marks)
-            return f"{why}: known to {sd_m:.2f} m and {sd_yaw:.2f} rad only", None
-        if is_curved(estimate, best.fit.chi2, seen, marks):
-            return f"{open_geometry(best.fit.pose, marks)}: not known well enough", None
-        margin = self._config.ambiguity_sd**2
-        rivals = [t for t in tries[1:] if t.cost - best.cost < margin and _is_other(t, best)]
-        if rivals:
-            x, y = rivals[0].fit.pose.x, rivals[0].fit.pose.y
-            return (
-                f"ambiguous: ({best.fit.pose.x:.2f}, {best.fit.pose.y:.2f}) and "
-                f"({x:.2f}, {y:.2f}) m fit alike"
-            ), None
-        return "", estimate
-
-    def _tries(self, seen: list[Sighting]) -> list[_Try]:
+    def _tries(self, seen: list[Sighting]) -> list[Explanation]:
         """Return fitted explanations, the best first."""
         starts = list(self._starts(seen))
-        tries: list[_Try] = []
+        tries: list[Explanation] = []
         for pose in self._promising(starts, seen):
             found = self._settle(pose, seen)
-            if found is not None and all(_is_other(found, t) for t in tries):
+            if found is not None and all(are_apart(found, t) for t in tries):
                 tries.append(found)
         return sorted(tries, key=lambda t: t.cost)
 
-    def _settle(self, pose: SE2, seen: list[Sighting]) -> _Try | None:
+    def _settle(self, pose: SE2, seen: list[Sighting]) -> Explanation | None:
         """Fit and assign in turn until nothing changes."""
         marks, _ = self._assign(pose, seen, wide=4.0)
         for _ in range(4):
             used = [pair for pair in marks if pair is not None]
-            if sum(s.num_values for s, _ in used) < _NEED:
+            if sum(s.num_values for s, _ in used) < NEED:
                 return None
             fit = fit_pose(pose, [s for s, _ in used], [m for _, m in used])
             if fit is None:
@@ -152,7 +110,7 @@ class LandmarkLocator:
             pose = fit.pose
             new, cost = self._assign(pose, seen)
             if new == marks:
-                return _Try(fit, marks, cost)
+                return Explanation(fit, marks, cost)
             marks = new
         return None
 
@@ -184,14 +142,14 @@ class LandmarkLocator:
         return tuple(marks), cost
 
     def _promising(self, starts: list[SE2], seen: list[Sighting]) -> list[SE2]:
-        """Return the starts that all sightings like best, not two of nearly the same place."""
+        """Return the starts that all sightings like best, not two of nearly the same pose."""
         if not starts:
             return []
         costs = rough_costs(starts, seen, self._landmarks, (2.0 * self._config.gate_sd) ** 2)
         kept: list[SE2] = []
         for k in np.argsort(costs, kind="stable"):
             pose = starts[k]
-            if all(math.hypot(pose.x - p.x, pose.y - p.y) > _SAME_START_M for p in kept):
+            if not any(_is_same_start(pose, other) for other in kept):
                 kept.append(pose)
             if len(kept) == _KEPT:
                 break
@@ -219,9 +177,9 @@ class LandmarkLocator:
         bearings = np.array([s.bearing for s in seen])
         if np.abs(np.sin(bearings[:, None] - bearings)).max() < 1e-3:
             return "robot and landmarks lie on one line"
-        if len(places) < _NEED:
+        if len(places) < NEED:
             return f"{len(places)} landmarks leave a circle open, not a pose"
-        return _CONTRADICTING
+        return CONTRADICTING
 
 
 def sightings_of(bearings: Mapping[str, np.ndarray], config: LandmarkConfig) -> list[Sighting]:
@@ -233,13 +191,9 @@ def sightings_of(bearings: Mapping[str, np.ndarray], config: LandmarkConfig) -> 
     ]
 
 
-def _is_other(a: _Try, b: _Try) -> bool:
-    """Return whether two explanations are of different poses."""
-    first, second = estimate_of(a.fit), estimate_of(b.fit)
-    apart = math.hypot(a.fit.pose.x - b.fit.pose.x, a.fit.pose.y - b.fit.pose.y)
-    if first is None or second is None:
-        return apart > _CLEARLY_OTHER_M
-    return mahalanobis(first, second) > _SAME_CHI2
+def _is_same_start(a: SE2, b: SE2) -> bool:
+    is_near = math.hypot(a.x - b.x, a.y - b.y) < _SAME_START_M
+    return is_near and abs(wrap_angle(a.yaw - b.yaw)) < _SAME_START_RAD
 
 
 def _too_few(seen: Sequence[Sighting]) -> str:

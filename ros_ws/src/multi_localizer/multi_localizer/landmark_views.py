@@ -9,11 +9,14 @@ import numpy as np
 
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.image_size import camera_at_size
+from floornav_common.se2 import SE2
 from multi_localizer.landmark_config import LandmarkConfig
 from multi_localizer.landmark_fit import Sighting
 from multi_localizer.landmark_floor import FloorEnds
 from multi_localizer.landmark_locator import LandmarkFix, LandmarkLocator
 from multi_localizer.landmarks import Landmarks
+
+_SAME_PLACE_M = 0.01
 
 
 class LandmarkViews:
@@ -94,3 +97,24 @@ class LandmarkViews:
         if shape not in self._ends:
             self._ends = {shape: FloorEnds(camera_at_size(camera, *shape))}
         return self._ends[shape]
+
+
+def turned_together(
+    views: Mapping[str, tuple[np.ndarray, SE2]], T_base_sensor: SE2
+) -> dict[str, np.ndarray]:
+    """Return bearings in one frame that were taken in frames turned against it.
+
+    Args:
+        views: By class: bearings, (K,), rad, and the sensor's frame in that of the base.
+        T_base_sensor: The frame they are to be in, in that of the base.
+
+    Raises:
+        ValueError: A sensor stands at another place than that frame: its bearings are no others.
+    """
+    together = {}
+    for kind, (bearings, T_base_own) in views.items():
+        off = math.hypot(T_base_own.x - T_base_sensor.x, T_base_own.y - T_base_sensor.y)
+        if off > _SAME_PLACE_M:
+            raise ValueError(f"the bearings of {kind} are seen from {off:.2f} m beside the others")
+        together[kind] = bearings + (T_base_own.yaw - T_base_sensor.yaw)
+    return together

@@ -5,13 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 _MAX_OPEN = 20
+_LATE_IN_A_ROW = 5
 
 
 class StampGroups:
     """Collects values by stamp until all that usually come are there, or time is up.
 
     Groups leave in the order of their stamps. What comes for a group that has left is late and
-    does not count.
+    does not count, unless nothing else comes any more: after the late values of several moments in
+    a row the stamps were set back, and all begins anew.
 
     Args:
         wait_ns: How long a group waits for the rest.
@@ -23,14 +25,15 @@ class StampGroups:
     def __init__(self, wait_ns: int) -> None:
         self._wait_ns = wait_ns
         self.num_late = 0
-        self._usual: dict[str, int] = {}
         self.clear()
 
     def clear(self) -> None:
         """Forget what waits: the clock jumped back."""
         self._open: dict[int, dict[str, Any]] = {}
         self._since_ns: dict[int, int] = {}
-        self._left_ns = -1
+        self._usual: dict[str, int] = {}
+        self._late: set[int] = set()
+        self._left_ns: int | None = None
 
     def add(self, key: str, stamp_ns: int, value: Any, now_ns: int) -> list[tuple[int, dict]]:
         """Take a value; return the groups that are ready now, the oldest first.
@@ -41,9 +44,9 @@ class StampGroups:
             value: The value.
             now_ns: Any clock that goes on.
         """
-        self._usual[key] = stamp_ns
-        if stamp_ns <= self._left_ns:
-            self.num_late += 1
+        is_late = self._is_late(stamp_ns)
+        self._usual[key] = max(stamp_ns, self._usual.get(key, stamp_ns))
+        if is_late:
             return []
         self._open.setdefault(stamp_ns, {}).setdefault(key, value)
         self._since_ns.setdefault(stamp_ns, now_ns)
@@ -56,6 +59,18 @@ class StampGroups:
         if len(self._open) > _MAX_OPEN:
             late.append(min(self._open))
         return self._leave(max(late)) if late else []
+
+    def _is_late(self, stamp_ns: int) -> bool:
+        """Count a late value; forget all if only such have come for long enough."""
+        if self._left_ns is None or stamp_ns > self._left_ns:
+            self._late.clear()
+            return False
+        self._late.add(stamp_ns)
+        if len(self._late) > _LATE_IN_A_ROW:
+            self.clear()
+            return False
+        self.num_late += 1
+        return True
 
     def _is_complete(self, stamp_ns: int, group: dict[str, Any]) -> bool:
         """Tell whether all keys that came of late are there; one long silent is not waited for."""

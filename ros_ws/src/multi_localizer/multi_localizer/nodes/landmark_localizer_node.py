@@ -1,8 +1,8 @@
 """The pose from landmarks that a camera sees in directions.
 
-In: `bearings/<class>` (PoseArray, for each class of the file `landmarks`); with `method: floor` too
-`floor/mask` (Image mono8: how far away landmarks stand), TF base_link->omni_camera_floor; with
-`publish_tf` odom->base_link or `odom` (Odometry).
+In: `bearings/<class>` (PoseArray, for each class of the file `landmarks`, in frames at one place);
+with `method: floor` too `floor/mask` (Image mono8: how far away landmarks stand), its camera above
+TF base_link->`floor_frame`; with `publish_tf` odom->base_link or `odom` (Odometry).
 Out: `landmark_pose` (PoseWithCovarianceStamped of base_link in map; nothing while it is not known),
 TF map->odom with `publish_tf`.
 """
@@ -31,7 +31,7 @@ from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
 from floornav_common.transform_errors import TransformUnavailable
 from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig
-from multi_localizer.landmark_views import LandmarkViews
+from multi_localizer.landmark_views import LandmarkViews, turned_together
 from multi_localizer.landmarks import load_landmarks
 from multi_localizer.nodes.landmark_report import LandmarkReport
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
@@ -50,13 +50,18 @@ class LandmarkLocalizerNode(FloornavNode):
         """Declare, load the landmarks, subscribe, and say ready."""
         super().__init__("landmark_localizer")
         config = self._config = declare_config(self, LandmarkNodeConfig)
-        tuning = declare_config(self, LandmarkConfig, on_change=self._tune)
+        self._floor_frame = (self.frames.frame_prefix + config.floor_frame).lstrip("/")
+        tuning = declare_config(
+            self, LandmarkConfig, on_change=lambda changed: self._views.reconfigure(changed)
+        )
         self._views = self._make_views(config, tuning)
         self._groups = StampGroups(round(config.wait_s * 1e9))
         self._outputs = LocalizerOutputs(self, "landmark_pose", config.publish_tf)
         self._odometry = OdometryFallback(self) if config.publish_tf else None
         self._watchdog = Watchdog(self, "bearings", config.input_timeout_s)
-        self._report = LandmarkReport(self._watchdog, self._outputs, self._groups)
+        self._report = LandmarkReport(
+            self, self._watchdog, self._outputs, self._groups, config.input_timeout_s
+        )
         self.diagnostics.add("landmark pose", self._report.status)
         self._log = StateLog(self, self._report.status)
         self._topics = [
@@ -79,9 +84,6 @@ class LandmarkLocalizerNode(FloornavNode):
             return LandmarkViews(load_landmarks(config.landmarks), tuning, camera)
         except (ValueError, OSError) as error:
             raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
-
-    def _tune(self, config: LandmarkConfig) -> None:
-        self._views.reconfigure(config)
 
     def _on_bearings(self, kind: str, msg: Any, T_base_sensor: Transform3) -> None:
         self._watchdog.feed()
@@ -109,17 +111,25 @@ class LandmarkLocalizerNode(FloornavNode):
         if not group:
             return
         started = time.perf_counter()
-        T_base_sensor: SE2 = next(iter(group.values()))[1]
-        bearings = {kind: values for kind, (values, _) in group.items()}
         try:
+            T_base_sensor = self._sensor_at(stamp_ns, group, mask is not None)
+            bearings = turned_together(group, T_base_sensor)
             fix = self._views.locate(bearings, mask)
-        except ValueError as error:
+        except (ValueError, TransformUnavailable) as error:
             self._report.refuse(str(error))
             return
         self._report.note(fix, bearings, 1e3 * (time.perf_counter() - started))
         if fix.estimate is not None:
             base = moved(fix.estimate, T_base_sensor.inverse())
             self._outputs.send(ns_to_stamp(stamp_ns), base, self._odometry_at(stamp_ns))
+
+    def _sensor_at(self, stamp_ns: int, group: dict[str, Any], has_mask: bool) -> SE2:
+        """Return where the pose is of: the floor below the camera of the mask, or a sensor."""
+        if not has_mask:
+            T_base_sensor: SE2 = next(iter(group.values()))[1]
+            return T_base_sensor
+        buffer = self.transforms.buffer
+        return buffer.lookup(self.frames.base, self._floor_frame, stamp_ns).to_se2()
 
     def _odometry_at(self, stamp_ns: int) -> SE2 | None:
         if not self._config.publish_tf:
