@@ -18,7 +18,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
 from robot_messages import S, statuses, time_of
 from rosgraph_msgs.msg import Clock
-from team_scene import POLES, POSES, TeamVoices, write_landmarks
+from team_scene import ODOMETRY_START, POLES, POSES, TeamVoices, write_landmarks
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
@@ -97,6 +97,10 @@ class Team:
 def is_near(pose: SE2, name: str) -> bool:
     off = POSES[name].between(pose)
     return off.distance < NEAR_M and abs(off.yaw) < NEAR_RAD
+
+
+def time_ns(msg: PoseWithCovarianceStamped) -> int:
+    return int(msg.header.stamp.sec) * S + int(msg.header.stamp.nanosec)
 
 
 def values_of(status: DiagnosticStatus) -> dict[str, str]:
@@ -236,13 +240,10 @@ def test_map_to_odom_comes_from_the_team_where_that_is_wanted(localizer, peer) -
     node = localizer("r1", "-p", "publish_tf:=true", "-p", "frame_prefix:=r1/")
     sent = peer.collect(TFMessage, "/tf", 100)
     team = Team(peer, node)
-    start = SE2(5.0, -3.0, 1.0)
-    T_map_odom = POSES["r1"] @ start.inverse()
+    T_map_odom = POSES["r1"] @ ODOMETRY_START.inverse()
     found: list[SE2] = []
 
     def is_sent() -> bool:
-        for k in range(3):
-            team.voices.say_odometry("r1", time.time_ns() + k, start)
         found[:] = [
             Transform3.from_parts((t.x, t.y, t.z), (q.x, q.y, q.z, q.w)).to_se2()
             for msg in sent
@@ -275,6 +276,36 @@ def test_a_clock_that_jumps_back_begins_all_anew(localizer, peer) -> None:
     assert own[-1].header.stamp.sec < 100
 
 
+@pytest.mark.parametrize("back_s", [2.0, 8.0])
+def test_stamps_set_back_without_a_clock_begin_all_anew(localizer, peer, back_s: float) -> None:
+    node = localizer()
+    own = peer.collect(PoseWithCovarianceStamped, "/r2/team_pose", 200)
+    team = Team(peer, node)
+    team.go_on(lambda: len(own) >= 10)
+    turn_ns = time.time_ns()
+    behind = dict.fromkeys(POSES, back_s)
+    late = lambda: [m for m in own if time_ns(m) > turn_ns - round((back_s - 1.0) * S)]  # noqa: E731
+    own.clear()
+    team.go_on(lambda: len(late()) >= 10 and time.time_ns() - turn_ns > 3 * S, behind_s=behind)
+    assert all(time_ns(m) < time.time_ns() - (back_s - 0.5) * S for m in late()[-10:])
+    assert all(is_near(estimate_from_msg(m).pose, "r2") for m in own)
+
+
+def test_when_the_leader_falls_silent_one_whose_clock_is_behind_leads(localizer, peer) -> None:
+    """The others' stamps are those of the leader, so that theirs step back as well."""
+    node = localizer("", "-p", "robot_timeout_s:=0.6")
+    own = peer.collect(PoseWithCovarianceStamped, "/r3/team_pose", 200)
+    team = Team(peer, node)
+    behind = {"r2": 2.5}
+    team.go_on(lambda: len(own) >= 15, behind_s=behind)
+    first_ns = time_ns(own[-1])
+    is_back = lambda: any(time_ns(m) < first_ns for m in own[15:])  # noqa: E731
+    team.go_on(is_back, behind_s=behind, silent=["r1"])
+    own.clear()
+    team.go_on(lambda: len(own) >= 5, behind_s=behind, silent=["r1"])
+    assert all(is_near(estimate_from_msg(m).pose, "r3") for m in own)
+
+
 def test_two_robots_of_one_name_are_not_believed(localizer, peer, make_peer) -> None:
     node = localizer("r1")
     team = Team(peer, node)
@@ -298,3 +329,21 @@ def test_a_team_that_cannot_be_is_refused_in_one_line(start, words, said) -> Non
     node = start(*NODE, "--ros-args", "-r", "__ns:=/r1", *words)
     assert node.wait_for_exit() == 2
     assert said in node.text and len(node.lines) == 1
+
+
+def test_a_misspelled_teammate_and_the_state_of_all_are_in_the_log(localizer, peer) -> None:
+    node = localizer("r1", team="[r1, r2, r3, rr4]")
+    team = Team(peer)
+    for name in ("r1", "r2", "r3"):
+        node.wait_to_hear(f"/{name}/bearings/robots")
+    is_said = lambda *words: all(w in node.text for w in words)  # noqa: E731
+    team.go_on(
+        lambda: is_said(
+            "/r4 sends bearings/robots and is not in team [r1, r2, r3, rr4]: is a name misspelled?",
+            "rr4: no bearings on /rr4/bearings/robots",
+            "r2: located",
+        )
+    )
+    team.go_on(team.says("team list", WARN, "/r4 sends"))
+    assert "where its camera sits" not in node.text
+    team.go_on(lambda: is_said("r2: no bearings on /r2/bearings/robots any more"), silent=["r2"])

@@ -39,7 +39,7 @@ def compile_once(compile_kernels: Callable[[], None], name: str, say: Callable[[
         return 0
     event = import_module("numba.core.event")
 
-    class Listener(event.Listener):  # type: ignore[misc]
+    class Listener(event.Listener):  # type: ignore[name-defined, misc]
         num = 0
 
         def on_start(self, _event: object) -> None:

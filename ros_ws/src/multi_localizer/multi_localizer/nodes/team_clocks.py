@@ -16,6 +16,7 @@ from floornav_common.ros.messages import ns_to_stamp, stamp_to_ns
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import RELIABLE_QOS, create_publisher, create_subscription
 from multi_localizer.clock_offsets import TeammateClock
+from multi_localizer.team_lists import TeammateList
 
 _PERIOD_NS = 1_000_000_000
 
@@ -27,16 +28,20 @@ class TeamClocks:
         node: The node.
         own: This robot's namespace.
         clocks: Of the teammates, by namespace.
+
+    Attributes:
+        lists: The team as each teammate was told, by namespace.
     """
 
     def __init__(self, node: FloornavNode, own: str, clocks: Mapping[str, TeammateClock]) -> None:
         """Begin to write."""
         self._node, self._own, self._clocks = node, own, clocks
+        self.lists = {name: TeammateList(name) for name in clocks}
         self._written_ns: int | None = None
         self._publisher = create_publisher(node, TimeReference, "team/clock", RELIABLE_QOS)
         self._subscriptions = [
             create_subscription(
-                node, TimeReference, f"/{name}/team/clock", self._reader(clock), RELIABLE_QOS
+                node, TimeReference, f"/{name}/team/clock", self._reader(name, clock), RELIABLE_QOS
             )
             for name, clock in clocks.items()
         ]
@@ -57,8 +62,9 @@ class TeamClocks:
             note.time_ref = ns_to_stamp(max(clock.echo_ns(now_ns) or 0, 0))
             self._publisher.publish(note)
 
-    def _reader(self, clock: TeammateClock) -> Any:
+    def _reader(self, name: str, clock: TeammateClock) -> Any:
         def read(note: Any) -> None:
+            self.lists[name].take(note.source)
             if note.source == self._own:
                 echo_ns = stamp_to_ns(note.time_ref) or None
                 clock.take_note(stamp_to_ns(note.header.stamp), echo_ns, self._now_ns())

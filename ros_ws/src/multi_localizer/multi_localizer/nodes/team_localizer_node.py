@@ -22,6 +22,7 @@ from multi_localizer.nodes.team_inputs import TeamInputs
 from multi_localizer.nodes.team_mounts import CameraMounts
 from multi_localizer.nodes.team_outputs import TeamOutputs
 from multi_localizer.nodes.team_reports import TeamReports
+from multi_localizer.nodes.team_watch import TeamWatch
 from multi_localizer.robot_inbox import Classes
 from multi_localizer.team_answers import TeamAnswers
 from multi_localizer.team_config import TeamConfig
@@ -64,6 +65,7 @@ class TeamLocalizerNode(FloornavNode):
         if own:
             others = {n: r.clock for n, r in self._inbox.robots.items() if n != own}
             self._clocks = TeamClocks(self, own, others)
+        self._watch = TeamWatch(self, self._inbox, self._clocks.lists if own else {})
         self.time.on_restart(self._forget)
         self._timer = self.create_timer(_LOOK_S, self._look, clock=self.time.steady_clock)
         self.ready(lambda: warm_up(self._solver))

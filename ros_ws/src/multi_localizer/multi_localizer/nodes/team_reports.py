@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from multi_localizer.clock_offsets import clock_problem
+from multi_localizer.nodes.state_log import StateLog
 from multi_localizer.robot_inbox import RobotInbox
 from multi_localizer.team_answers import TeamAnswer
 from multi_localizer.team_inbox import TeamInbox
@@ -18,6 +20,7 @@ from multi_localizer.team_views import NOBODY
 
 FEWEST = 3
 """Robots that make a triangle."""
+_SETTLED_S, _PERIOD_S = 2.0, 10.0
 
 
 class TeamReports:
@@ -43,8 +46,12 @@ class TeamReports:
         self._answered_ns = 0
         self._ms = 0.0
         node.diagnostics.add("team", self.team_status)
+        self._logs = [StateLog(node, self.team_status, period_s=_PERIOD_S)]
         for name in inbox.robots:
-            node.diagnostics.add(f"robot {name}", lambda name=name: self.robot_status(name))
+            check = partial(self.robot_status, name)
+            node.diagnostics.add(f"robot {name}", check)
+            log = StateLog(node, check, name, settled_s=_SETTLED_S, period_s=_PERIOD_S)
+            self._logs.append(log)
 
     def take(self, answer: TeamAnswer, passed_ns: int, ms: float) -> None:
         """Take the newest answer."""
@@ -106,6 +113,8 @@ class TeamReports:
             return Status(ERROR, robot.problem, values)
         if not self._inbox.is_present(name, passed_ns):
             return Status(STALE, "; ".join(filter(None, [self._silence(name), clock])), values)
+        if robot.mount is None:
+            return Status(WARN, robot.mount_problem, values)
         if self._answer is None:
             return Status(WARN, "; ".join(filter(None, ["no answer yet", clock])), values)
         level, text = self._part(name, self._answer, values)
