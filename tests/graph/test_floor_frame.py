@@ -14,6 +14,7 @@ from builtin_interfaces.msg import Time
 
 from floor_perception.nodes import floor_frame
 from floor_perception.nodes.floor_frame import FloorFrame
+from floornav_common.transform3 import Transform3
 
 WAIT_S = 7.0
 
@@ -23,7 +24,9 @@ class Graph:
 
     def __init__(self) -> None:
         self.seconds, self.num_senders, self.is_known = 0.0, 0, False
+        self.place = Transform3.identity()
         self.said: list[str] = []
+        self.warned: list[str] = []
         self.sent: list[tuple[str, str]] = []
         looks: list[Callable[[], None]] = []
         self.node = SimpleNamespace(
@@ -31,11 +34,13 @@ class Graph:
                 on_look=looks.append, steady_ns=lambda: int(1e9 * (100.0 + self.seconds))
             ),
             transforms=SimpleNamespace(
-                buffer=SimpleNamespace(can_transform=lambda *frames: self.is_known)
+                buffer=SimpleNamespace(
+                    can_transform=lambda *frames: self.is_known, lookup=lambda *frames: self.place
+                )
             ),
             frames=SimpleNamespace(base="base_link"),
             count_publishers=lambda topic: self.num_senders,
-            get_logger=lambda: SimpleNamespace(info=self.said.append),
+            get_logger=lambda: SimpleNamespace(info=self.said.append, warning=self.warned.append),
             get_clock=lambda: SimpleNamespace(now=lambda: SimpleNamespace(to_msg=Time)),
         )
         FloorFrame(self.node, "omni_camera_floor", upright_camera(), WAIT_S)
@@ -89,3 +94,15 @@ def test_what_the_description_sends_is_left_alone_for_good(graph: Graph) -> None
     assert graph.sent == []
     (said,) = graph.said
     assert said.startswith("base_link -> omni_camera_floor is sent by the robot's description")
+
+
+def test_a_second_sender_is_warned_of_once_if_it_says_another_place(graph: Graph) -> None:
+    graph.at(0.0).at(WAIT_S)
+    x, y = upright_camera().position_m
+    graph.is_known, graph.place = True, Transform3.from_parts((x, y, 0.0), (0.0, 0.0, 0.0, 1.0))
+    graph.at(20.0)
+    assert graph.warned == []
+    graph.place = Transform3.from_parts((x - 0.1, y, 0.0), (0.0, 0.0, 0.0, 1.0))
+    graph.at(21.0).at(22.0)
+    (warned,) = graph.warned
+    assert "is also sent by somebody else" in warned

@@ -10,6 +10,8 @@ from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.transforms import StaticTransformBroadcaster
 from floornav_common.transform3 import Transform3
 
+_SAME_M = 1e-3
+
 
 class FloorFrame:
     """Sends base_frame -> floor_frame once /tf_static has been quiet about it for a while.
@@ -34,10 +36,12 @@ class FloorFrame:
         self._since_ns: int | None = None
         self._num_senders = 0
         self._is_settled = False
+        self._sent: Transform3 | None = None
         node.time.on_look(self._look)
 
     def _look(self) -> None:
         if self._is_settled:
+            self._look_for_another()
             return
         now = self._node.time.steady_ns()
         num_senders = self._node.count_publishers("/tf_static")
@@ -56,8 +60,24 @@ class FloorFrame:
         stamp_ns = stamp_to_ns(self._node.get_clock().now().to_msg())
         self._broadcaster = StaticTransformBroadcaster(self._node)
         self._broadcaster.send(self._node.frames.base, self._name, stamp_ns, place)
+        self._sent = place
         at = ", ".join(f"{v:g}" for v in np.asarray(self._position))
         self._say(f"is sent by nobody: now from the camera's YAML, at ({at}) m")
+
+    def _look_for_another(self) -> None:
+        """Warn once if the frame that was sent has been put elsewhere: two senders, last wins."""
+        base = self._node.frames.base
+        if self._sent is None or not self._buffer.can_transform(base, self._name):
+            return
+        place = self._buffer.lookup(base, self._name).translation
+        if np.abs(place - self._sent.translation).max() <= _SAME_M:
+            return
+        self._sent = None
+        at = ", ".join(f"{v:g}" for v in place)
+        self._node.get_logger().warning(
+            f"{base} -> {self._name} is also sent by somebody else, at ({at}) m: which one a node "
+            "believes is chance; start the robot's description before this node"
+        )
 
     def _say(self, what: str) -> None:
         self._node.get_logger().info(f"{self._node.frames.base} -> {self._name} {what}")
