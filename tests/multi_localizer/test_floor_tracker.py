@@ -147,6 +147,20 @@ def test_carried_away_it_is_found_again_within_a_second(
     assert tracker.num_carried == 1 and is_at(tracker, there)
 
 
+@pytest.mark.parametrize("rate_hz", [5, 30, 60])
+def test_how_many_images_a_second_there_are_does_not_matter_for_it(
+    tracker: FloorTracker, rate_hz: int
+) -> None:
+    pose, there, odom = SE2(0.5, 0.2, 0.3), SE2(-0.9, -0.4, 2.5), SE2(3.0, 1.0, 2.0)
+    for k in range(2 * rate_hz + 1):
+        at = pose if k < rate_hz else there
+        stamp_ns = k * 1_000_000_000 // rate_hz
+        tracker.update(stamp_ns, both(at), "", odom @ pose)
+        tracker.see_goals(goal_from(at, "goal_blue", stamp_ns))
+        assert tracker.estimate is None or is_at(tracker, at)
+    assert is_at(tracker, there) and tracker.num_carried == 1
+
+
 def test_carried_away_without_goals_it_is_open_again(tracker: FloorTracker) -> None:
     drive(tracker, SE2(0.5, 0.2, 0.3), 10, goals=("goal_blue",))
     drive(tracker, SE2(-0.9, -0.4, 2.5), 10, first=10)
@@ -191,8 +205,10 @@ def test_somebody_who_says_it_before_the_first_mask_is_remembered(tracker: Floor
     pose = SE2(0.5, 0.2, 0.3)
     tracker.relocate(PoseEstimate(SE2(0.4, 0.3, 0.5), TOLD_COV))
     tracker.update(0, (), "nothing but hands", SE2.identity())
-    drive(tracker, pose @ STEP, 3, first=1, step=STAY, odometry=STEP @ (pose @ STEP).inverse())
-    assert is_at(tracker, pose @ STEP)
+    driven = pose @ SE2(0.2, 0.1, math.pi)  # by odometry; its mate is as far off as it can be
+    odometry = pose.between(driven) @ driven.inverse()
+    drive(tracker, driven, 3, first=1, step=STAY, odometry=odometry)
+    assert is_at(tracker, driven)
 
 
 def test_somebody_who_says_what_fits_nowhere_is_not_believed(tracker: FloorTracker) -> None:
@@ -296,6 +312,17 @@ def test_more_images_a_second_tell_no_more(tracker: FloorTracker) -> None:
             t.see_goals(goal_from(pose, "goal_blue", stamp_ns, 0.5))
     assert tracker.hypotheses[0].share == pytest.approx(other.hypotheses[0].share)
     assert tracker.hypotheses[0].share < 0.98
+
+
+def test_more_images_a_second_do_not_tell_poses_apart_sooner() -> None:
+    shares = []
+    for num in (2, 11):
+        tracker = FloorTracker({}, FloorTrackConfig())
+        for k in range(num):
+            fits = [PoseEstimate(SE2(x, 0.2, 0.3), COV) for x in (0.5, -0.7)]
+            tracker.update(k * FRAME_NS // (num - 1), fits, "", SE2.identity(), (0.1, 0.2))
+        shares.append(tracker.hypotheses[0].share)
+    assert shares[0] == pytest.approx(shares[1]) and 0.5 < shares[0] < 0.98
 
 
 def test_a_larger_thing_of_the_goals_color_does_not_hide_the_goal(tracker: FloorTracker) -> None:
