@@ -13,7 +13,7 @@ from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit, fit_poses
 from multi_localizer.team_objects import locate_objects
 from multi_localizer.team_observability import unknown_poses, words
-from multi_localizer.team_problem import TeamProblem, make_problem
+from multi_localizer.team_problem import TeamProblem, make_problem, to_views
 from multi_localizer.team_settle import settle
 from multi_localizer.team_single import telling_marks, without_touched_marks
 from multi_localizer.team_state import Identification
@@ -99,24 +99,11 @@ def _solution(
             )
             for i in located
         },
-        identities=_identities(problem, views, found),
+        identities=to_views(problem, views, np.where(found.belief > 0.5, found.owner, NOBODY)),
         landmark_identities=_landmark_identities(problem, views, found),
         unobservable=words(problem, fit, found, unknown),
         joint_cov=fit.cov[np.ix_(rows, rows)],
     )
-
-
-def _identities(
-    problem: TeamProblem, views: Sequence[RobotView], found: Identification
-) -> dict[str, np.ndarray]:
-    owner = np.where(found.belief > 0.5, found.owner, NOBODY)
-    result = {}
-    for i, view in enumerate(views):
-        ids = np.full(len(view.bearings), NOBODY, dtype=np.int64)
-        part = slice(problem.start[i], problem.start[i + 1])
-        ids[problem.source[part]] = owner[part]
-        result[view.name] = ids
-    return result
 
 
 def _landmark_identities(

@@ -18,6 +18,7 @@ from multi_localizer.team_state import Identification
 
 _WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where landmarks put the robot
 _LEAST_MARKS = 2
+_LEAST_VIEWS = 3  # bearings; of so few, liars' fit nobody at all
 _MOST_NEEDED = 0.9
 _MANY = 6  # bearings: of fewer, shares say little
 _SPREAD = 3.0  # deviations by which fewer than usual may be returned
@@ -86,7 +87,7 @@ def liars(problem: TeamProblem, found: Identification, config: TeamConfig) -> np
     counts = np.diff(problem.start)
     owners = np.repeat(np.arange(problem.num_robots), counts)
     fitting = np.bincount(owners[found.seen >= 0], minlength=problem.num_robots)
-    return np.asarray((counts >= 4) & (fitting < config.liar_share * counts))
+    return np.asarray((counts >= _LEAST_VIEWS) & (fitting < config.liar_share * counts - 0.5))
 
 
 def without(
