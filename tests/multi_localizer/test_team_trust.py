@@ -15,7 +15,7 @@ from multi_localizer.team_problem import make_problem
 from multi_localizer.team_settle import settle
 from multi_localizer.team_single import first_marks, place_alone, without_touched_marks
 from multi_localizer.team_solver import solve_team
-from multi_localizer.team_trust import contradicted_priors, needed_trust, trust
+from multi_localizer.team_trust import contradicted_priors, doubted, liars, needed_trust, trust
 from multi_localizer.team_views import NOBODY, RobotView
 
 
@@ -72,3 +72,30 @@ def test_landmark_on_top_of_which_a_robot_ends_is_left_out() -> None:
     solution = solve_team([view], GOALS)
     assert solution.landmark_identities["r0"]["yellow"][0] == NOBODY
     assert solution.landmark_identities["r0"]["blue"][0] == 0
+
+
+def test_liar_of_four_robots_is_found_only_if_nothing_it_says_fits() -> None:
+    config = TeamConfig()
+    problem = make_problem(team(SIX[:4])[0], GOALS, config)
+    found = settle(problem, config)
+    assert not liars(problem, found, config).any()
+    seen = found.seen.copy()
+    seen[3:6] = [-1, -1, seen[5]]
+    assert not liars(problem, replace(found, seen=seen), config).any()
+    seen[5] = -1
+    assert list(np.flatnonzero(liars(problem, replace(found, seen=seen), config))) == [1]
+
+
+def test_robot_whose_bearings_few_return_is_doubted() -> None:
+    config = TeamConfig(returned_share=0.85)
+    views, _ = team(np.vstack((SIX, SIX + [0.4, 0.7, 0.2])), seed=1)  # 11 bearings each
+    problem = make_problem(views, GOALS, config)
+    others = [np.delete(np.arange(12), i) for i in range(12)]
+    seen = np.concatenate(others)
+    # 0.85 * 11 - 3 sqrt(0.85 * 0.15 * 11) = 5.8 must be returned
+    for returned, is_doubted in ((6, False), (5, True)):
+        some = seen.copy()
+        for j in range(1, 12 - returned):  # they say that they do not see robot 0
+            some[problem.start[j]] = -1
+        found = replace(settle(problem, config), seen=some)
+        assert list(np.flatnonzero(doubted(problem, found, config))) == [0] * is_doubted
