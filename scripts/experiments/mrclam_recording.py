@@ -130,7 +130,9 @@ def _table(path: Path, num_columns: int) -> np.ndarray:
     rows = [line.split() for line in text.splitlines() if line.strip() and line[0] != "#"]
     for number, row in enumerate(rows, start=1):
         if len(row) != num_columns:
-            raise UserError(f"{path}: row {number} has {len(row)} columns, not {num_columns}")
+            columns = f"{len(row)} column{'' if len(row) == 1 else 's'}"
+            what = "cut short or not such a file"
+            raise UserError(f"{path}: row {number} has {columns}, not {num_columns}: {what}")
     if len(rows) < 2:
         raise UserError(f"{path} holds {len(rows)} rows: cut short or not such a file")
     try:

@@ -18,7 +18,7 @@ from mrclam_files import DELAY_S, SPEED, write_recording
 from experiments.mrclam_measures import errors_of
 from experiments.mrclam_recording import RobotLog, TeamRecording, load_recording
 from experiments.mrclam_runs import Track, dead_reckoning, run_filter
-from experiments.mrclam_triangles import count_triangles
+from experiments.mrclam_triangles import count_triangles, newest_of
 from floornav_common.reporting import UserError
 
 EVALUATE = Path(__file__).resolve().parents[2] / "scripts" / "evaluate.py"
@@ -84,14 +84,47 @@ def test_runs_are_causal(tmp_path: Path) -> None:
     recording = load_recording(write_recording(tmp_path, 15.0), THREE)
     middle = recording.start + 8.0
     cut = {
-        k: replace(log, looks=log.looks[log.looks[:, 0] <= middle])
+        k: replace(
+            log, looks=log.looks[log.looks[:, 0] <= middle],
+            odometry=log.odometry[log.odometry[:, 0] <= middle],
+        )
         for k, log in recording.robots.items()
-    }
+    }  # fmt: skip
     whole = run_filter(recording, "nameless")
     part = run_filter(replace(recording, robots=cut), "nameless")
     is_before = whole.times <= middle
     assert np.array_equal(whole.poses[is_before], part.poses[is_before], equal_nan=True)
     assert not np.array_equal(whole.poses[-1], part.poses[-1])
+
+
+def test_a_robot_that_takes_no_part_is_still_seen_by_those_without_names(tmp_path: Path) -> None:
+    folder = write_recording(tmp_path, 15.0)
+    whole, two = (load_recording(folder, robots) for robots in (THREE, (1, 2)))
+    num_between, num_third = (
+        sum(int(np.isin(log.looks[:, 1], who).sum()) for log in two.robots.values())
+        for who in ((1, 2), (3,))
+    )
+    assert num_between and num_third
+    track = run_filter(two, "nameless")
+    assert track.num_right + track.num_open <= num_between < num_between + num_third
+    named = run_filter(two, "named")
+    blind = {
+        k: replace(log, looks=log.looks[log.looks[:, 1] != 3]) for k, log in two.robots.items()
+    }
+    assert np.array_equal(
+        named.poses, run_filter(replace(two, robots=blind), "named").poses, equal_nan=True
+    )
+    given = run_filter(replace(two, robots=blind), "nameless")
+    assert track.num_wrong > given.num_wrong or track.num_refused > given.num_refused
+    assert set(whole.robots) == {1, 2, 3}
+
+
+def test_looks_at_the_same_direction_are_one() -> None:
+    looks = np.array([[0.1, 2, 0.30], [0.2, 3, -0.5], [0.3, 2, 0.32], [0.4, 4, 0.33]])
+    assert newest_of(looks, looks[:, 2]).tolist() == [3, 1]
+    assert newest_of(looks[:0], looks[:0, 2]).tolist() == []
+    around = np.array([[0.1, 2, np.pi - 0.01], [0.2, 2, -np.pi + 0.01]])
+    assert newest_of(around, around[:, 2]).tolist() == [1]
 
 
 def test_dead_reckoning_goes_on_from_the_first_pose(tmp_path: Path) -> None:
@@ -162,7 +195,7 @@ def foreign_barcodes(path: Path) -> None:
         (Path.unlink, "no such file"),
         (cut_short, "cannot be read"),
         (no_gzip, "cannot be read"),
-        (fewer_columns, "columns, not 4"),
+        (fewer_columns, "has 1 column, not 4"),
         (words_for_numbers, "could not convert"),
         (not_finite, "not finite"),
         (foreign_barcodes, "none of its barcodes"),
