@@ -17,8 +17,11 @@ from geometry_msgs.msg import PoseArray, PoseWithCovarianceStamped
 from rosgraph_msgs.msg import Clock
 from team_scene import POSES, TeamVoices
 
-from floornav_common.ros.messages import ns_to_stamp, pose_to_se2
+from floornav_common.ros.messages import ns_to_stamp, stamp_to_ns
 from floornav_common.ros.qos import CLOCK_QOS, RELIABLE_QOS
+from floornav_common.se2 import SE2
+from multi_localizer.pose_estimate import normalized_error
+from multi_localizer.ros_conversions import estimate_from_msg
 
 ROUND_NS, CLOCK_S = 100_000_000, 0.01
 
@@ -34,26 +37,34 @@ def main() -> int:
     make = lambda kind, topic: node.create_publisher(kind, topic, RELIABLE_QOS)  # noqa: E731
     voices = TeamVoices(node, args.names, 0, make, {name: POSES[name] for name in args.team})
     clock = node.create_publisher(Clock, "clock", CLOCK_QOS)
-    first = args.names[0]
+    first, ahead_ns = args.names[0], round(1e9 * args.ahead)
+
+    def on_pose(msg: PoseWithCovarianceStamped) -> None:
+        say_pose(msg, voices.pose_at(first, stamp_to_ns(msg.header.stamp) - ahead_ns))
+
     heard = [
-        node.create_subscription(PoseWithCovarianceStamped, f"/{first}/team_pose", say_pose, 10),
+        node.create_subscription(PoseWithCovarianceStamped, f"/{first}/team_pose", on_pose, 10),
         node.create_subscription(PoseArray, f"/{first}/team/poses", say_poses, 10),
         node.create_subscription(DiagnosticArray, "/diagnostics", say_parts(first), 10),
     ]
     print("ready", len(heard), flush=True)
+    behind = dict.fromkeys(args.names, -args.ahead)
     last_ns = 0
     while rclpy.ok():
-        now_ns = time.time_ns() + round(1e9 * args.ahead)
-        clock.publish(Clock(clock=ns_to_stamp(now_ns)))
+        now_ns = time.time_ns()
+        clock.publish(Clock(clock=ns_to_stamp(now_ns + ahead_ns)))
         if now_ns - last_ns >= ROUND_NS:
             last_ns = now_ns
-            voices.say(now_ns)
+            voices.say(now_ns, behind_s=behind)
         rclpy.spin_once(node, timeout_sec=CLOCK_S)
     return 0
 
 
-def say_pose(msg: PoseWithCovarianceStamped) -> None:
-    print("team_pose", *pose_to_se2(msg.pose.pose).as_array(), flush=True)
+def say_pose(msg: PoseWithCovarianceStamped, true: SE2) -> None:
+    """Print a pose and its squared deviation from the truth in the deviations it claims."""
+    estimate = estimate_from_msg(msg)
+    square = normalized_error(estimate.pose, true, estimate.cov)
+    print("team_pose", *estimate.pose.as_array(), square, flush=True)
 
 
 def say_poses(msg: PoseArray) -> None:

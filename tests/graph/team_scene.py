@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,8 @@ POLES = np.array([[4.0, 2.0], [-4.0, 2.0], [0.5, -2.5]])
 MOUNT = SE2(0.1, 0.0, 0.2)  # of a camera in its base_link
 NOISE = 0.005
 ROUGH_M, ROUGH_RAD = 0.15, 0.1
+SWAY_M, SWAY_RAD, SWAY_S = 0.03, 0.02, 4.0
+ODOMETRY_START = SE2(5.0, -3.0, 1.0)
 Make = Callable[[type, str], Any]
 
 
@@ -41,7 +43,9 @@ def write_landmarks(folder: Path) -> Path:
 
 
 class TeamVoices:
-    """Sends what the cameras of some robots would see of the whole team.
+    """Sends what the cameras and wheels of some robots would say of the whole team.
+
+    The robots drive to and fro a little about their places, and their odometry says so.
 
     Args:
         node: A plain node to send with.
@@ -60,6 +64,7 @@ class TeamVoices:
         poses: dict[str, SE2] | None = None,
     ) -> None:
         self.poses = dict(POSES if poses is None else poses)
+        self._now_ns = 0
         self._rng = np.random.default_rng(seed)
         self._statics = StaticTransformBroadcaster(node)
         self._pubs: dict[tuple[str, str], Any] = {}
@@ -81,28 +86,43 @@ class TeamVoices:
         silent: Collection[str] = (),
         without_pose: Collection[str] = (),
         lies: dict[str, SE2] | None = None,
+        behind_s: Mapping[str, float] | None = None,
     ) -> None:
         """Send one round of messages of a stamp.
 
         Args:
-            stamp_ns: The stamp.
+            stamp_ns: The time.
             silent: Robots that send nothing.
             without_pose: Robots that do not send where they are by themselves.
             lies: What robots say of where they are instead.
+            behind_s: By how much the stamps of robots are behind the time.
         """
+        self._now_ns = stamp_ns
         for name in self.names:
             if name in silent:
                 continue
+            own_ns = stamp_ns - round(1e9 * (behind_s or {}).get(name, 0.0))
+            self.say_odometry(name, own_ns, ODOMETRY_START @ self._moved(stamp_ns))
             if name not in without_pose:
-                self._say_pose(name, stamp_ns, (lies or {}).get(name))
-            others = [p @ MOUNT for n, p in self.poses.items() if n != name]
-            self.say_bearings(name, "pole", stamp_ns, self.seen(name, POLES))
+                self._say_pose(name, own_ns, (lies or {}).get(name))
+            others = [self.pose_at(n, stamp_ns) @ MOUNT for n in self.poses if n != name]
+            self.say_bearings(name, "pole", own_ns, self.seen(name, POLES))
             places = np.array([[p.x, p.y] for p in others])
-            self.say_bearings(name, "robots", stamp_ns, self.seen(name, places))
+            self.say_bearings(name, "robots", own_ns, self.seen(name, places))
+
+    def pose_at(self, name: str, now_ns: int) -> SE2:
+        """Return where a robot is at a time."""
+        return self.poses[name] @ self._moved(now_ns)
+
+    @staticmethod
+    def _moved(now_ns: int) -> SE2:
+        """Return how far the robots are from their places."""
+        phase = math.sin(2.0 * math.pi * (now_ns / 1e9) / SWAY_S)
+        return SE2(SWAY_M * phase, 0.0, SWAY_RAD * phase)
 
     def seen(self, name: str, places: np.ndarray) -> np.ndarray:
         """Return noisy bearings from a robot's camera, in no order."""
-        camera = self.poses[name] @ MOUNT
+        camera = self.pose_at(name, self._now_ns) @ MOUNT
         x, y = (places - [camera.x, camera.y]).T
         bearings = np.arctan2(y, x) - camera.yaw + self._rng.normal(0.0, NOISE, len(places))
         return np.asarray(self._rng.permutation(bearings))
@@ -131,7 +151,7 @@ class TeamVoices:
         self._pubs[name, "odom"].publish(msg)
 
     def _say_pose(self, name: str, stamp_ns: int, lie: SE2 | None) -> None:
-        true, error = self.poses[name], self._rough[name]
+        true, error = self.pose_at(name, self._now_ns), self._rough[name]
         rough = SE2(
             true.x + ROUGH_M * error[0], true.y + ROUGH_M * error[1],
             true.yaw + ROUGH_RAD * error[2],
