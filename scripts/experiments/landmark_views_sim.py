@@ -17,7 +17,8 @@ from floor_perception.floor_detector import FloorDetector
 from floor_perception.markers import MarkerDetector, load_marker_classes
 from floor_perception.resources import find_file
 from floornav_common.camera_files import load_camera_model
-from floornav_common.se2 import SE2
+from floornav_common.se2 import SE2, wrap_angle
+from multi_localizer.landmarks import load_landmarks
 from sim_bridge.cameras import mirror_rays
 from sim_bridge.image_effects import ImageSensor
 from sim_bridge.robot_model import load_robot
@@ -105,6 +106,20 @@ class FieldEye:
         if result is None:
             raise ValueError("the floor's color is not known in this picture")
         return View(bearings, result.mask)
+
+
+def measured_bearing_sd(seed: int, num_views: int = 60) -> float:
+    """Return the deviation of posts' bearings at random poses, rad, as a calibration finds it."""
+    eye, rng = FieldEye(seed), np.random.default_rng(seed)
+    marks, off = load_landmarks("middle_size_field"), []
+    for frame in range(1, num_views + 1):
+        pose = SE2(rng.uniform(-3.3, 3.3), rng.uniform(-1.5, 1.5), rng.uniform(-math.pi, math.pi))
+        place = np.array([pose.x, pose.y])
+        for kind, bearings in eye.view(pose, frame).bearings.items():
+            for mark in marks.get(kind, ()):
+                x, y = mark.point_seen(place) - place
+                off += [wrap_angle(math.atan2(y, x) - pose.yaw - b) for b in bearings]
+    return float(np.sqrt(np.mean(np.square(off))))
 
 
 def _empty(world_name: str):  # type: ignore[no-untyped-def]

@@ -9,8 +9,9 @@ import pytest
 
 pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
 
+import experiments.landmark_faults as faults
 from experiments.landmark_localization import Tally, _published_2
-from experiments.landmark_views_sim import FieldEye
+from experiments.landmark_views_sim import FieldEye, measured_bearing_sd
 from floornav_common.se2 import SE2
 from multi_localizer.landmark_config import LandmarkConfig
 from multi_localizer.landmark_fit import Sighting
@@ -63,3 +64,19 @@ def test_a_view_shows_the_posts_where_they_are_and_gives_the_pose() -> None:
         fix = LandmarkViews(FIELD, LandmarkConfig(), camera).locate(view.bearings, view.mask)
         assert fix.estimate is not None
         assert np.abs(difference(fix.estimate.pose, POSE)).max() < 0.2
+
+
+def test_the_deviation_of_bearings_is_measured_and_small() -> None:
+    """Half a pixel at the edge of the mirror's image is a little less than 0.01 rad."""
+    sd = measured_bearing_sd(1000, num_views=5)
+    assert 0.001 < sd < 0.01
+    assert measured_bearing_sd(1001, num_views=5) != sd
+
+
+def test_faults_tell_what_a_spare_bearing_is_good_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(faults, "VIEWS", 40)
+    monkeypatch.setattr(faults, "CASES", ((3, 0), (3, 1), (4, 1)))
+    none, refused, one = faults.fault_rows(0, LandmarkConfig())
+    assert refused["sent_share"] == refused["false_sent_share"] == 0.0
+    assert none["wrong_share"] > 0.3 and none["wrong_share"] > 2.0 * one["wrong_share"]
+    assert one["sent_share"] > 0.9
