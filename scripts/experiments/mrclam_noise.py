@@ -4,8 +4,8 @@ Each robot is located by landmarks alone; its bearings to other robots are withh
 how likely they were. What they say depends on the poses of both robots, so their likelihood is
 greatest where the poses are best and their covariances true. Values were chosen by searching one
 after another for the greatest mean log density, and rounded; the table has it for half and for
-twice each value. `scale_sd`, `drag_sd` and `offset_walk` were set
-by hand.
+twice each value. `scale_sd`, `drag_sd` and `offset_walk` were set by hand, and not every value
+stands where the table is greatest.
 """
 
 from __future__ import annotations

@@ -30,6 +30,7 @@ NOISE = TeamFilterConfig(
 """Chosen without ground truth: see `mrclam_noise`."""
 
 OUTPUT_EVERY_S = 0.2
+_NOBODY = "nobody of the team"
 MODES = ("alone", "named", "nameless")
 
 
@@ -42,8 +43,8 @@ class Track:
         poses: x, y, yaw, NaN while not located, shape (T, R, 3).
         covs: Their covariances, shape (T, R, 3, 3).
         num_right: Nameless bearings whose robot was told rightly.
-        num_wrong: And wrongly.
-        num_open: And not at all.
+        num_wrong: And wrongly, those of robots that take no part included.
+        num_open: And not at all, of robots that take part.
         num_used: Bearings that corrected the team.
         num_refused: Bearings left out by the gate.
         num_lost: Times that a robot was lost.
@@ -179,6 +180,9 @@ def _take(
         if subject > NUM_ROBOTS:
             sightings.append(Sighting(float(bearing), (_landmark(subject),)))
             truly.append("")
+        elif mode == "nameless" and subject not in numbers:  # takes no part: a false detection
+            sightings.append(Sighting(float(bearing), others))
+            truly.append(_NOBODY)
         elif mode != "alone" and subject in numbers:
             meanings = others if mode == "nameless" else (_name(subject),)
             sightings.append(Sighting(float(bearing), meanings))
@@ -190,7 +194,7 @@ def _take(
         if name:
             track.num_right += meaning == name
             track.num_wrong += meaning not in (name, "")
-            track.num_open += meaning == ""
+            track.num_open += meaning == "" and name != _NOBODY
 
 
 def _withhold(

@@ -18,8 +18,10 @@ from mrclam_files import DELAY_S, SPEED, write_recording
 from experiments.mrclam_measures import errors_of
 from experiments.mrclam_recording import RobotLog, TeamRecording, load_recording
 from experiments.mrclam_runs import Track, dead_reckoning, run_filter
-from experiments.mrclam_triangles import count_triangles, newest_of
+from experiments.mrclam_triangles import count_triangles
 from floornav_common.reporting import UserError
+from multi_localizer.team_filter import TeamFilter
+from multi_localizer.team_sightings import Sighting
 
 EVALUATE = Path(__file__).resolve().parents[2] / "scripts" / "evaluate.py"
 REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "mrclam6"
@@ -97,34 +99,27 @@ def test_runs_are_causal(tmp_path: Path) -> None:
     assert not np.array_equal(whole.poses[-1], part.poses[-1])
 
 
-def test_a_robot_that_takes_no_part_is_still_seen_by_those_without_names(tmp_path: Path) -> None:
-    folder = write_recording(tmp_path, 15.0)
-    whole, two = (load_recording(folder, robots) for robots in (THREE, (1, 2)))
-    num_between, num_third = (
-        sum(int(np.isin(log.looks[:, 1], who).sum()) for log in two.robots.values())
-        for who in ((1, 2), (3,))
-    )
-    assert num_between and num_third
-    track = run_filter(two, "nameless")
-    assert track.num_right + track.num_open <= num_between < num_between + num_third
-    named = run_filter(two, "named")
-    blind = {
-        k: replace(log, looks=log.looks[log.looks[:, 1] != 3]) for k, log in two.robots.items()
-    }
-    assert np.array_equal(
-        named.poses, run_filter(replace(two, robots=blind), "named").poses, equal_nan=True
-    )
-    given = run_filter(replace(two, robots=blind), "nameless")
-    assert track.num_wrong > given.num_wrong or track.num_refused > given.num_refused
-    assert set(whole.robots) == {1, 2, 3}
+def test_a_robot_that_takes_no_part_is_still_seen_by_those_without_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recording = load_recording(write_recording(tmp_path, 2.0, half_view=np.pi), (1, 2))
+    given: list[tuple[str, ...]] = []
+    update = TeamFilter.update
 
+    def spy(team: TeamFilter, name: str, sightings: list[Sighting], stamp_ns: int) -> object:
+        given.extend(s.meanings for s in sightings if s.meanings[0].startswith("robot"))
+        return update(team, name, sightings, stamp_ns)
 
-def test_looks_at_the_same_direction_are_one() -> None:
-    looks = np.array([[0.1, 2, 0.30], [0.2, 3, -0.5], [0.3, 2, 0.32], [0.4, 4, 0.33]])
-    assert newest_of(looks, looks[:, 2]).tolist() == [3, 1]
-    assert newest_of(looks[:0], looks[:0, 2]).tolist() == []
-    around = np.array([[0.1, 2, np.pi - 0.01], [0.2, 2, -np.pi + 0.01]])
-    assert newest_of(around, around[:, 2]).tolist() == [1]
+    monkeypatch.setattr(TeamFilter, "update", spy)
+    num_two, num_all = (
+        sum(int(np.isin(log.looks[:, 1], who).sum()) for log in recording.robots.values())
+        for who in ((1, 2), (1, 2, 3))
+    )
+    run_filter(recording, "named")
+    assert len(given) == num_two < num_all
+    given.clear()
+    run_filter(recording, "nameless")
+    assert len(given) == num_all and {*given} == {("robot1",), ("robot2",)}
 
 
 def test_dead_reckoning_goes_on_from_the_first_pose(tmp_path: Path) -> None:
