@@ -75,7 +75,7 @@ def _section_text(section: Section) -> str:
 
 
 def _as_text(table: Table) -> str:
-    rows = [[str(cell) for cell in row] for row in [table.header, *table.rows]]
+    rows = [["-" if c is None else str(c) for c in row] for row in [table.header, *table.rows]]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) for row in rows]
     return "\n" + "\n".join(line.rstrip() for line in lines) + "\n"
