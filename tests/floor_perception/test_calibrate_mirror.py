@@ -1,6 +1,7 @@
 """The command from its input to its camera file, and what it says of input that is not right."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -11,6 +12,8 @@ from floor_perception.board_view import view_pixels
 from floor_perception.calibrate_mirror import main
 from floor_perception.calibration_input import read_gray, read_table
 from floor_perception.checkerboard import board_points, find_corners, find_edge
+from floor_perception.mirror_fit import fit_mirror
+from floornav_common.calibration import STEP, moved_cameras
 from floornav_common.camera_files import load_camera, load_floor_camera
 from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera, paper_camera
 from floornav_common.cameras.radius_table import RadiusTableCamera
@@ -83,6 +86,31 @@ def test_pairs_become_the_mirror_of_equation_26(tmp_path: Path) -> None:
     assert summary["parameters"]["xi"]["low"] < 0.973 < summary["parameters"]["xi"]["high"]
     assert any("trade off" in text for text in summary["warnings"])
     assert (out / "report.html").exists() and (out / "residuals.png").exists()
+
+
+def test_the_camera_file_says_how_well_the_mirror_is_known(tmp_path: Path) -> None:
+    """What the cameras beside it see scatters as the fit says r = f(R) does."""
+    table, out = pairs_file(tmp_path / "pairs.csv", 0.1), tmp_path / "out"
+    options = ["--image-size", "256", "220", "--quiet", "--center-sd", "0.2"]
+    for kind in ("unified", "hyperboloidal_mirror"):
+        assert main([str(table), *options, "--kind", kind, "--out", str(out / kind)]) == 0
+        floor = load_floor_camera(out / kind / "camera.yaml")
+        assert floor.calibration is not None
+        names, cov = list(floor.calibration.names), np.array(floor.calibration.cov)
+        k = names.index("center_u_px")
+        assert cov[k, k] == pytest.approx(0.04)
+        pixel = np.array(floor.center_px) + (0.0, -100.0)
+        moves = [(a.floor_points(pixel) - b.floor_points(pixel)) / (2.0 * STEP)
+                 for a, b in moved_cameras(floor)]  # fmt: skip
+        own = replace(floor, calibration=None)
+        slope = own.floor_jacobian(pixel)
+        by_center = 0.2**2 * slope @ slope.T
+        table_read = read_table(table)
+        fit = fit_mirror(table_read.pixels, table_read.metres)
+        radial = float(fit.floor_distance(np.array([100.0])).cov[0, 0])
+        spread = np.array(moves).T @ np.array(moves)
+        way = floor.floor_points(pixel) / np.hypot(*floor.floor_points(pixel))
+        assert way @ (spread - by_center) @ way == pytest.approx(radial, rel=0.02)
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,15 @@ import pytest
 from floor_masks import ell, first_wall, mask_of, rectangle, small_camera
 from scipy.stats import chi2
 
+from floornav_common.calibration import calibration_of
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2
+from multi_localizer import floor_fitter
 from multi_localizer.floor_config import FloorFitConfig
 from multi_localizer.floor_fitter import FloorShapeFitter
 from multi_localizer.floor_plan import FloorPlan, load_plan
 from multi_localizer.floor_rays import rays_of_pixels
+from multi_localizer.floor_search import search
 from multi_localizer.pose_estimate import PoseEstimate, difference
 
 TOL_M, TOL_RAD = 0.008, math.radians(0.4)
@@ -192,3 +195,49 @@ def test_the_field_moved_moves_the_pose_with_it():
     there = FloorShapeFitter(CAMERA, moved).fit(mask)
     want = motion @ min(here.candidates, key=lambda c: abs(c.pose.yaw - pose.yaw)).pose
     assert min(np.abs(difference(c.pose, want)).max() for c in there.candidates) < 1e-4
+
+
+def test_a_calibration_that_errs_as_it_says_leaves_covariances_true():
+    """Centers off by half a pixel: told, the NEES stays in its band; not told, it is far above."""
+    sd, num, off_px = 0.3, 40, 0.5
+    config = FloorFitConfig(border_sd_px=sd, offset_sd_px=0.0, wall_sd_px=0.0)
+    plan, rng = rectangle(2.74, 1.525), np.random.default_rng(0)
+    one = dict(zip(("center_u_px", "center_v_px"), np.eye(2), strict=True))
+    calibration = calibration_of(one, off_px**2 * np.eye(2))
+    bearings = np.linspace(-math.pi, math.pi, 400, endpoint=False)
+    ways = np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+    nees: dict[str, list[float]] = {"told": [], "not told": []}
+    for pose in random_poses(plan, num, 2):
+        r = first_wall(np.array([pose.x, pose.y]), SE2(0.0, 0.0, pose.yaw) @ ways, plan)
+        pixels = CAMERA.floor_pixels(ways * r[:, None])
+        noisy = pixels + rng.normal(0.0, sd, pixels.shape)
+        u, v = np.array(CAMERA.center_px) + rng.normal(0.0, off_px, 2)
+        moved = replace(CAMERA.camera, center_u_px=float(u), center_v_px=float(v))
+        for name, known in (("told", calibration), ("not told", None)):
+            camera = replace(CAMERA, camera=moved, calibration=known)
+            fitter = FloorShapeFitter(camera, plan, config)
+            fit = fitter.fit_border(rays_of_pixels(camera, noisy))
+            best = min(fit.candidates, key=lambda c: abs(difference(c.pose, pose)[2]))
+            e = difference(best.pose, pose)
+            nees[name].append(float(e @ np.linalg.solve(best.cov, e)))
+    low, high = chi2.ppf((0.0005, 0.9995), 3 * num) / num
+    assert low < np.mean(nees["told"]) < high
+    assert np.mean(nees["not told"]) > 2.0 * high
+
+
+def test_a_guess_far_from_what_fits_does_not_keep_rivals_from_being_looked_for(monkeypatch):
+    """Half the border hidden: without a guess that is followed the whole plan is searched."""
+    fitter, pose = fitter_of("rectangle"), SE2(0.3, 0.1, 0.5)
+    posts = tuple(
+        (pose.x + 0.3 * math.cos(a), pose.y + 0.3 * math.sin(a), 0.1) for a in (0.2, 1.7, 3.0, 4.4)
+    )
+    mask, searched = mask_of(CAMERA, fitter.plan, pose, posts), []
+    monkeypatch.setattr(
+        floor_fitter, "search", lambda *args: (searched.append(1), search(*args))[1]
+    )
+    cov = np.diag([0.01, 0.01, 0.01]) ** 2
+    fitter.fit_border(fitter.scanner.scan(mask), PoseEstimate(pose, cov))
+    assert searched == []
+    fitter.fit_border(fitter.scanner.scan(mask), PoseEstimate(SE2(-0.9, -0.4, 2.0), cov))
+    fitter.fit_border(fitter.scanner.scan(mask))
+    assert searched == [1, 1]

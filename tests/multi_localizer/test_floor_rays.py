@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from floor_masks import ell, first_wall, mask_of, rectangle, small_camera
 
+from floornav_common.calibration import STEP, calibration_of, moved_cameras
 from floornav_common.se2 import SE2
-from multi_localizer.floor_kernels import NUM_VALUES, gate_weights, normal_equations, residuals
+from multi_localizer.floor_kernels import (
+    NUM_VALUES,
+    gate_weights,
+    moved_residuals,
+    normal_equations,
+    residuals,
+)
 from multi_localizer.floor_rays import BorderScanner, measured, rays_of_pixels
 
 CAMERA = small_camera()
@@ -87,7 +95,9 @@ def test_eliminated_walls_give_what_solving_for_all_gives():
     pixels = border_of(plan, pose, 120)
     noisy = pixels + np.random.default_rng(0).normal(0.0, 0.3, pixels.shape)
     rows = rows_of(rays_of_pixels(CAMERA, noisy).values, pose, plan)
-    H, b = normal_equations(rows, rows[:, 6], sd, offset_sd, wall_sd, 1e9, 4)
+    H, b = normal_equations(
+        rows, np.empty((len(rows), 0)), rows[:, 6], sd, offset_sd, wall_sd, 1e9, 4
+    )
     meters = 1.0 / np.hypot(rows[:, 1], rows[:, 2])
     lean = -rows[:, 3] * meters * rows[:, 5]
     own = np.zeros((len(rows), 8))
@@ -116,3 +126,43 @@ def test_floor_to_the_edge_of_the_view_is_no_border():
     assert len(scanner.scan(np.zeros((220, 256), np.uint8)).values) == 0
     with pytest.raises(ValueError, match=r"\(220, 256\)"):
         scanner.scan(np.zeros((100, 100), np.uint8))
+
+
+def test_a_far_wall_of_coarse_pixels_may_lie_off_so_much_more():
+    """A wall of whose border a pixel covers k times coarse_m has k times the deviation."""
+    plan, pose = rectangle(2.74, 1.525), SE2(0.3, 0.1, 0.5)
+    rows = rows_of(rays_of_pixels(CAMERA, border_of(plan, pose, 120)).values, pose, plan)
+    rows = rows[rows[:, 4] == 2]  # the farthest wall alone
+    none = np.empty((len(rows), 0))
+    covered = float(np.mean(1.0 / np.hypot(rows[:, 1], rows[:, 2])))
+    flat = np.ones(len(rows))
+    coarse, _ = normal_equations(rows, none, flat, 0.3, 0.7, 0.1, covered / 3.0, 4)
+    wide, _ = normal_equations(rows, none, flat, 0.3, 0.7, 0.3, 1e9, 4)
+    narrow, _ = normal_equations(rows, none, flat, 0.3, 0.7, 0.1, 1e9, 4)
+    assert coarse == pytest.approx(wide, rel=1e-6)
+    assert narrow[0, 0] > 1.5 * coarse[0, 0]
+
+
+def test_residuals_move_with_the_calibration_as_refitting_them_says():
+    one = {"center_u_px": np.array([0.1, 0.0]), "height_m": np.array([0.0, 0.001])}
+    plan, pose = rectangle(2.74, 1.525), SE2(0.3, 0.1, 0.5)
+    pixels = border_of(plan, pose, 60)
+    known = replace(CAMERA, calibration=calibration_of(one, np.eye(2)))
+    rays = rays_of_pixels(known, pixels)
+    rows, walls = rows_of(rays.values, pose, plan), walls_of(plan)
+    moves = np.empty((len(rows), 2))
+    moved_residuals(rays.values, rays.moves, pose.as_array(), walls, rows, moves)
+    for k, pair in enumerate(moved_cameras(known)):
+        up, down = (rows_of(rays_of_pixels(c, pixels).values, pose, plan) for c in pair)
+        slope = (up[:, 0] - down[:, 0]) / (2.0 * STEP)
+        assert moves[:, k] == pytest.approx(slope, rel=0.02, abs=1e-3)
+
+
+def test_a_scanner_through_another_camera_sees_what_its_own_would():
+    plan, pose = rectangle(2.74, 1.525), SE2(0.3, 0.1, 0.5)
+    mask = mask_of(CAMERA, plan, pose)
+    off = replace(CAMERA, height_m=1.01 * CAMERA.height_m)
+    scanner = BorderScanner(CAMERA, 3.2)
+    nearer, own = scanner.scan(mask), scanner.through(off).scan(mask)
+    assert own.values[:, 2] == pytest.approx(nearer.values[:, 2] / 1.01, rel=1e-6)
+    assert own.num_paths == nearer.num_paths

@@ -77,6 +77,8 @@ def make_parser() -> argparse.ArgumentParser:
     add("--image", type=Path, metavar="FILE", help="for tables: the picture itself; gives its size")
     add("--center", type=float, nargs=2, metavar=("U", "V"),
         help="pixel of the mirror's axis (default: found, or the middle)")  # fmt: skip
+    add("--center-sd", type=_not_negative, default=0.0, metavar="PX",
+        help="for pairs: deviation of the center, for the camera file (default: 0)")  # fmt: skip
     add("--max-radius", type=_positive, metavar="PX",
         help="edge of the view (default: found, or the largest measured)")  # fmt: skip
     add("--looks", choices=LOOKS, default="mirror_above",
@@ -147,7 +149,7 @@ def _view_options(
         )
     return ViewOptions(
         size_px=size, center_px=None if args.center is None else tuple(args.center),
-        max_radius_px=args.max_radius, looks=args.looks,
+        max_radius_px=args.max_radius, looks=args.looks, center_sd_px=args.center_sd,
     )  # fmt: skip
 
 
@@ -210,6 +212,13 @@ def _positive(text: str) -> float:
     value = float(text)
     if not 0.0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"must be > 0, got {text}")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = float(text)
+    if not 0.0 <= value < float("inf"):
+        raise argparse.ArgumentTypeError(f"must be >= 0, got {text}")
     return value
 
 

@@ -55,12 +55,14 @@ class ViewOptions:
         center_px: The optical axis; None: found, or the middle.
         max_radius_px: Edge of the view; None: found, or the farthest measurement.
         looks: Where the camera looks.
+        center_sd_px: How well each coordinate of the center is known; 0: exactly.
     """
 
     size_px: tuple[int, int]
     center_px: tuple[float, float] | None = None
     max_radius_px: float | None = None
     looks: str = "mirror_above"
+    center_sd_px: float = 0.0
 
     @property
     def middle_px(self) -> tuple[float, float]:

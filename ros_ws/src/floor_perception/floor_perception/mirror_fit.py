@@ -82,21 +82,22 @@ class MirrorFit:
         """
         if self.xi >= 1.0:
             raise ValueError(f"xi = {self.xi:.4f} is not below 1: eq. 26 does not hold")
-        return self._functions(("a_px_per_mm", "b_per_mm", "c_px2"), _abc)
+        return self.functions(("a_px_per_mm", "b_per_mm", "c_px2"), abc_of)
 
     def floor_distance(self, radius_px: np.ndarray) -> FitStatistics:
         """Return r = f(R), m, with its statistics; inf from the horizon on."""
         R = np.asarray(radius_px, dtype=float)
-        return self._functions(tuple(f"{v:g} px" for v in R), lambda p: _distance(p, R))
+        return self.functions(tuple(f"{v:g} px" for v in R), lambda p: _distance(p, R))
 
     def outliers(self) -> np.ndarray:
         """Return the indices of measurements that lie far off the others' curve."""
         sd = max(1.4826 * float(np.median(np.abs(self.residuals_px))), 0.1)
         return np.flatnonzero(np.abs(self.residuals_px) > OUTLIER_SD * sd)
 
-    def _functions(
+    def functions(
         self, names: tuple[str, ...], function: Callable[[np.ndarray], np.ndarray]
     ) -> FitStatistics:
+        """Return the statistics of functions of gamma_px, xi and height_m."""
         free = [NAMES.index(name) for name in self.statistics.names]
         with np.errstate(invalid="ignore"):  # inf less inf above the horizon
             slopes = numeric_jacobian(function, self.parameters)[:, free]
@@ -156,7 +157,7 @@ def nearest_mirror(R: np.ndarray, r: np.ndarray, given: np.ndarray) -> np.ndarra
     return min(solved, key=lambda found: found[1])[0]
 
 
-def _abc(parameters: np.ndarray) -> np.ndarray:
+def abc_of(parameters: np.ndarray) -> np.ndarray:
     """Return A, B, C: f^2 = H^2 A^2 (1 - xi^2), gamma = f^2 / (H A), B f = xi A."""
     gamma, xi, H = parameters * (1.0, 1.0, _MM)
     A = gamma / (H * (1.0 - xi**2))

@@ -9,7 +9,8 @@ import numpy as np
 from floor_perception import calibration_pictures as pictures
 from floor_perception.calibration_input import Table
 from floor_perception.calibration_outcome import LARGE_RMS_PX, WIDE_SHARE, Outcome, ViewOptions
-from floor_perception.mirror_fit import MirrorFit, fit_mirror
+from floor_perception.mirror_fit import MirrorFit, abc_of, fit_mirror
+from floornav_common.calibration import Calibration, calibration_of
 from floornav_common.cameras import hyperboloidal_mirror, radius_table, unified
 from floornav_common.cameras.central import CentralCamera
 from floornav_common.cameras.hyperboloidal_mirror import MirrorCamera
@@ -79,7 +80,23 @@ def _camera_of_pairs(
         camera = MirrorCamera(
             **size, a_px_per_mm=A, b_per_mm=B, c_px2=C, max_radius_px=max_radius
         )  # fmt: skip
-    return FloorCamera(camera, fit.height_m)
+    return FloorCamera(camera, fit.height_m, calibration=_known(fit, kind, options.center_sd_px))
+
+
+def _known(fit: MirrorFit, kind: str, center_sd_px: float) -> Calibration | None:
+    """Return how well the keys of the camera are known; None for a table of radii."""
+    if kind == radius_table.KIND:
+        return None
+    if kind == unified.KIND:
+        found = fit.functions(("fx_px", "fy_px", "xi", "height_m"), lambda p: p[[0, 0, 1, 2]])
+    else:
+        keys = ("a_px_per_mm", "b_per_mm", "c_px2", "height_m")
+        found = fit.functions(keys, lambda p: np.append(abc_of(p), p[2]))
+    center = ("center_u_px", "center_v_px") if center_sd_px > 0.0 else ()
+    names = (*found.names, *center)
+    cov = center_sd_px**2 * np.eye(len(names))
+    cov[: len(found.names), : len(found.names)] = found.cov
+    return calibration_of(dict(zip(names, np.eye(len(names)), strict=True)), cov)
 
 
 def _mirror_values(fit: MirrorFit) -> dict[str, object]:

@@ -10,13 +10,14 @@ plane do not tell them apart.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from floor_perception.fit_statistics import FitStatistics, fit_statistics, numeric_jacobian
 from floor_perception.mirror_fit import MIN_RADII, nearest_mirror
+from floornav_common.calibration import Calibration, calibration_of
 from floornav_common.cameras.central import CentralCamera
 from floornav_common.cameras.unified import UnifiedCamera
 from floornav_common.floor_camera import FloorCamera
@@ -100,11 +101,10 @@ def fit_points(
         residuals, start[index], bounds=(low, np.inf), x_scale="jac", xtol=1e-13, ftol=1e-13,
         gtol=1e-13, max_nfev=300,
     )  # fmt: skip
-    fit = PointsFit(
-        _floor_camera(filled(found.x), camera, "camera" in wanted),
-        fit_statistics(names, found.x, found.fun, numeric_jacobian(residuals, found.x)),
-        -found.fun.reshape(-1, 2),
-    )
+    floor = _floor_camera(filled(found.x), camera, "camera" in wanted)
+    statistics = fit_statistics(names, found.x, found.fun, numeric_jacobian(residuals, found.x))
+    known = replace(floor, calibration=_known(names, statistics.cov))
+    fit = PointsFit(known, statistics, -found.fun.reshape(-1, 2))
     if fit.rms_px > MAX_RMS_SHARE * max(camera.width_px, camera.height_px):
         raise ValueError(
             f"the points do not fit: {fit.rms_px:.0f} px off (RMS); are x, y in m, and is `looks` "
@@ -150,6 +150,14 @@ def _camera(vector: np.ndarray, camera: CentralCamera, is_free: bool) -> Central
 def _floor_camera(vector: np.ndarray, camera: CentralCamera, is_free: bool) -> FloorCamera:
     height, yaw, roll, pitch, x, y = (float(value) for value in vector[4:])
     return FloorCamera(_camera(vector, camera, is_free), height, roll, pitch, yaw, (x, y))
+
+
+def _known(names: list[str], cov: np.ndarray) -> Calibration | None:
+    """Return how well the camera file's keys are known, but for where it is on the robot."""
+    keys = {"gamma_px": ("fx_px", "fy_px"), "x_m": (), "y_m": ()}
+    by = {key: row for name, row in zip(names, np.eye(len(names)), strict=True)
+          for key in keys.get(name, (name,))}  # fmt: skip
+    return calibration_of(by, cov) if by else None
 
 
 def _require_points(pixels: np.ndarray, points: np.ndarray) -> None:

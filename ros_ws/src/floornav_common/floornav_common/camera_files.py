@@ -9,8 +9,12 @@
       pitch_rad: 0.0
       yaw_rad: 0.0
       position_m: [0.0, 0.0]  # over base_link
+    calibration:              # how well the keys above are known
+      names: [fx_px, fy_px, height_m]
+      cov: [[...], [...], [...]]
 
 `mount` may be left out, whole or in part; the height only where the kind has one of its own.
+Without `calibration` the camera is taken to be known exactly.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from typing import Any
 
 import yaml
 
+from floornav_common.calibration import Calibration
 from floornav_common.cameras import equidistant, hyperboloidal_mirror, radius_table, unified
 from floornav_common.cameras.central import CentralCamera
 from floornav_common.config import param, validate
@@ -77,14 +82,17 @@ def load_floor_camera(path: str | Path) -> FloorCamera:
             or out of range, or no height.
         OSError: The file cannot be read.
     """
-    camera, mount = _read(Path(path))
+    camera, mount, calibration = _read(Path(path))
     values = asdict(mount)
     if mount.height_m == 0.0:
         own = getattr(camera, "viewpoint_height", None)
         if own is None:
             raise ValueError(f"{path}: mount.height_m is missing: this kind has no height itself")
         values["height_m"] = own
-    return FloorCamera(camera, **values)
+    try:
+        return FloorCamera(camera, **values, calibration=calibration)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
 
 
 def load_camera_model(name_or_path: str) -> FloorCamera:
@@ -100,7 +108,12 @@ def load_camera_model(name_or_path: str) -> FloorCamera:
 def save_floor_camera(floor_camera: FloorCamera, path: str | Path, comment: str = "") -> None:
     """Write a camera and its mount; `comment` stands above, each line behind a `#`."""
     mount = {f.name: getattr(floor_camera, f.name) for f in fields(Mount)}
-    _write({**camera_values(floor_camera.camera), "mount": _plain(mount)}, path, comment)
+    content = {**camera_values(floor_camera.camera), "mount": _plain(mount)}
+    known = floor_camera.calibration
+    if known is not None:
+        cov = [list(row) for row in known.cov]
+        content["calibration"] = {"names": list(known.names), "cov": cov}
+    _write(content, path, comment)
 
 
 def save_camera(camera: CentralCamera, path: str | Path, comment: str = "") -> None:
@@ -120,7 +133,7 @@ def _write(content: dict[str, Any], path: str | Path, comment: str) -> None:
     write_atomic(Path(path), text)
 
 
-def _read(path: Path) -> tuple[CentralCamera, Mount]:
+def _read(path: Path) -> tuple[CentralCamera, Mount, Calibration | None]:
     try:
         data = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, yaml.YAMLError) as error:
@@ -131,8 +144,25 @@ def _read(path: Path) -> tuple[CentralCamera, Mount]:
     mount = data.pop("mount", None)
     if mount is not None and not isinstance(mount, dict):
         raise ValueError(f"{path}: mount must be a mapping, got {mount!r}")
+    known = _calibration(data.pop("calibration", None), path)
     camera = _filled(KINDS[kind], data, str(path))
-    return camera, _filled(Mount, mount if mount is not None else {}, f"{path}: mount")
+    return camera, _filled(Mount, mount if mount is not None else {}, f"{path}: mount"), known
+
+
+def _calibration(data: Any, path: Path) -> Calibration | None:
+    if data is None:
+        return None
+    where = f"{path}: calibration"
+    if not isinstance(data, dict) or not all(isinstance(v, list) for v in data.values()):
+        raise ValueError(f"{where}: expected a mapping with the lists names and cov")
+    refuse_unknown([str(name) for name in data], ["names", "cov"], where)
+    try:
+        names = tuple(str(name) for name in data["names"])
+        return Calibration(names, tuple(tuple(float(v) for v in row) for row in data["cov"]))
+    except KeyError as error:
+        raise ValueError(f"{where}: missing: {error.args[0]}") from error
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{where}: {error}") from error
 
 
 def _filled(kind: type, data: Mapping[str, Any], where: str) -> Any:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from floornav_common.calibration import Calibration, check_names, resized_calibration
 from floornav_common.cameras.central import CentralCamera
 
 
@@ -26,6 +27,7 @@ class FloorCamera:
         pitch_rad: Turn about y, second; positive looks down in front.
         yaw_rad: Turn about z, last: the bearing of the link's x axis.
         position_m: Where the viewpoint is over base_link's x and y.
+        calibration: How well these are known; None: exactly.
     """
 
     camera: CentralCamera
@@ -34,6 +36,7 @@ class FloorCamera:
     pitch_rad: float = 0.0
     yaw_rad: float = 0.0
     position_m: tuple[float, float] = (0.0, 0.0)
+    calibration: Calibration | None = None
 
     def __post_init__(self) -> None:
         numbers = (self.roll_rad, self.pitch_rad, self.yaw_rad, *self.position_m)
@@ -41,6 +44,8 @@ class FloorCamera:
             raise ValueError(f"height_m must be > 0 and finite, got {self.height_m}")
         if not all(math.isfinite(n) for n in numbers):
             raise ValueError(f"roll, pitch, yaw and position must be finite, got {numbers}")
+        if self.calibration is not None:
+            check_names(self)
 
     @property
     def width_px(self) -> int:
@@ -135,7 +140,10 @@ class FloorCamera:
 
     def resized(self, width_px: int, height_px: int) -> FloorCamera:
         """Return the camera at another image size: the same picture, as large as fits inside."""
-        return replace(self, camera=self.camera.resized(width_px, height_px))
+        calibration = resized_calibration(self, width_px, height_px)
+        return replace(
+            self, camera=self.camera.resized(width_px, height_px), calibration=calibration
+        )
 
     def _points_link(self, points_floor: np.ndarray) -> np.ndarray:
         points = np.asarray(points_floor, dtype=float)

@@ -20,7 +20,7 @@ class FloorFitConfig:
         unit="px", ge=0.0,
     )  # fmt: skip
     wall_sd_px: float = param(
-        0.1, "How far a single wall may lie off besides: its color, the calibration of the camera.",
+        0.08, "How far a single wall may lie off besides: its color, what a mirror is not like.",
         unit="px", ge=0.0,
     )  # fmt: skip
     coarse_m: float = param(

@@ -27,16 +27,18 @@ from multi_localizer.floor_plan import FloorPlan
 from multi_localizer.floor_polish import polish
 from multi_localizer.floor_rays import BorderRays, BorderScanner
 from multi_localizer.floor_search import places_of, search, slides
-from multi_localizer.pose_estimate import PoseEstimate, difference, moved
+from multi_localizer.pose_estimate import PoseEstimate, difference, moved, placed
 
 REACH = 1.02
 MIN_PIECES = 24
 MIN_BEHIND, BEHIND_PX = 4, 3.0
 COARSE_PIECES = 160
-COARSE_STEPS, POLISH_STEPS = 20, 5
+COARSE_STEPS, POLISH_STEPS = 20, 8
 FIRST_PX, FINE_PX, SPREAD_PX = 36.0, 4.0, 1.0
-SURE_COST, GOOD_COST = 0.4, 0.6
-SAME_M, SAME_RAD = 0.1, 0.1
+SURE_COST = 0.4  # of a fit that follows from the guess: it will do
+CLEAR_COST = 0.15  # of any fit: below it nothing else can fit nearly as well
+FOLLOWED = 0.3, 0.3  # m, rad: a fit so near the guess follows from it
+SAME = 0.1, 0.1  # m, rad: fits so near each other are one
 NOWHERE = np.empty(0, dtype=np.int64)
 _TURNS = (0.0, 0.5, -0.5)  # of a quarter
 
@@ -73,11 +75,18 @@ class FloorShapeFitter:
         camera: The camera that the masks come from, at their size.
         plan: The floor.
         config: How the border is fitted.
+        scanner: What finds the border; None: made when first needed.
     """
 
     def __init__(
-        self, camera: FloorCamera, plan: FloorPlan, config: FloorFitConfig | None = None
+        self,
+        camera: FloorCamera,
+        plan: FloorPlan,
+        config: FloorFitConfig | None = None,
+        scanner: BorderScanner | None = None,
     ) -> None:
+        if scanner is not None:
+            self.scanner = scanner
         self.camera, self.plan = camera, plan
         self.config = FloorFitConfig() if config is None else config
         self.walls = np.column_stack(
@@ -129,7 +138,7 @@ class FloorShapeFitter:
         if best.problem:
             return best, behind
         good = [(f.candidates[0], cost) for f, _, cost in fits if not f.problem]
-        mates = [self._mates(candidate) for candidate, _ in good]
+        mates = [[placed(s, candidate) for s in self.plan.symmetries] for candidate, _ in good]
         costs = [cost for m, (_, cost) in zip(mates, good, strict=True) for _ in m]
         candidates = tuple(c for m in mates for c in m)
         return replace(best, candidates=candidates, costs=tuple(costs)), behind
@@ -140,12 +149,15 @@ class FloorShapeFitter:
         """Return poses, offsets and costs of the different fits found, the best first."""
         step = max(1, len(border.values) // COARSE_PIECES)
         found: list[tuple[np.ndarray, float, float]] = []
-        is_even = len(self.plan.symmetries) > 1
-        for start in self._starts(border, guess):
-            if found and found[0][2] < SURE_COST and is_even:
-                break
+        is_even, is_followed = len(self.plan.symmetries) > 1, False
+        for k, start in enumerate(self._starts(border, guess)):
             self._add(found, border, step, start)
-        if not found or found[0][2] >= GOOD_COST:
+            if k == 0 and guess is not None and found:
+                is_near = _is_near(SE2(*found[0][0]), SE2(*start), FOLLOWED)
+                is_followed = is_near and found[0][2] < SURE_COST
+            if found and is_even and (is_followed or found[0][2] < CLEAR_COST):
+                break
+        if not found or (found[0][2] >= CLEAR_COST and not is_followed):
             for start in search(border.values, self.walls, self._places):
                 self._add(found, border, step, start)
         if found and found[0][2] >= SURE_COST:
@@ -170,7 +182,7 @@ class FloorShapeFitter:
             return
         here = SE2(*pose)
         for k, (other, _, old) in enumerate(found):
-            if any(_is_same(s @ here, SE2(*other)) for s in self.plan.symmetries):
+            if any(_is_near(s @ here, SE2(*other), SAME) for s in self.plan.symmetries):
                 if cost >= old:
                     return
                 del found[k]
@@ -203,12 +215,14 @@ class FloorShapeFitter:
         self, border: BorderRays, start: np.ndarray, offset: float
     ) -> tuple[FloorFit, np.ndarray]:
         """Return the fit of all of the border, what speaks against it, and what is behind walls."""
-        pose, cov, offset, sd, _, weights, rows = polish(
-            border.values, start, offset, self.walls, self._limits, POLISH_STEPS
+        pose, cov, offset, sd, is_settled, weights, rows = polish(
+            border.values, border.moves, start, offset, self.walls, self._limits, POLISH_STEPS
         )
         is_wall = weights > 0.0
         num = int(is_wall.sum())
         hidden = 1.0 - num / border.num_paths
+        if not is_settled:
+            return _none("the fit of the border comes to no rest", num, hidden), NOWHERE
         if num < MIN_PIECES or not np.isfinite(cov).all() or not np.isfinite(pose).all():
             return _none("the border fits no pose on the plan", num, hidden), NOWHERE
         off = rows[:, 0] - offset
@@ -224,20 +238,10 @@ class FloorShapeFitter:
         behind = border.index[off < -BEHIND_PX]
         return FloorFit((estimate,), num, rms, hidden, "", float(offset)), behind
 
-    def _mates(self, estimate: PoseEstimate) -> tuple[PoseEstimate, ...]:
-        """Return all poses that the plan's symmetries make of one."""
-        mates = [estimate]
-        for s in self.plan.symmetries[1:]:
-            R = np.eye(3)
-            c, t = math.cos(s.yaw), math.sin(s.yaw)
-            R[:2, :2] = (c, -t), (t, c)
-            mates.append(PoseEstimate(s @ estimate.pose, R @ estimate.cov @ R.T))
-        return tuple(mates)
 
-
-def _is_same(a: SE2, b: SE2) -> bool:
+def _is_near(a: SE2, b: SE2, within: tuple[float, float]) -> bool:
     x, y, yaw = difference(a, b)
-    return math.hypot(x, y) < SAME_M and abs(wrap_angle(yaw)) < SAME_RAD
+    return math.hypot(x, y) < within[0] and abs(wrap_angle(yaw)) < within[1]
 
 
 def _none(problem: str, num: int = 0, hidden: float = 1.0, rms: float = math.nan) -> FloorFit:

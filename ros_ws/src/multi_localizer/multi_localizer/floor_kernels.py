@@ -68,14 +68,15 @@ def residuals(values, step, pose, walls, out):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def normal_equations(rows, weights, sd, offset_sd, wall_sd, coarse_m, num_walls):  # type: ignore[no-untyped-def]
-    """Return H (4, 4) and b (4,) of x, y, yaw and the border's offset, H d = b.
+def normal_equations(rows, moves, weights, sd, offset_sd, wall_sd, coarse_m, num_walls):  # type: ignore[no-untyped-def]
+    """Return H and b of x, y, yaw, the border's offset and the calibration's K axes, H d = b.
 
     Every wall may lie off by an offset and a lean of its own, of deviation `wall_sd` each, which
     are eliminated here: the lean shifts the border by the sine of the angle to the wall's normal.
 
     Args:
         rows: Of `residuals`, (N, 7).
+        moves: Of the residuals by the axes of the calibration, (N, K).
         weights: Of the rows, (N,).
         sd: Deviation of a border pixel.
         offset_sd: Deviation of the offset; 0 holds it at 0.
@@ -83,20 +84,22 @@ def normal_equations(rows, weights, sd, offset_sd, wall_sd, coarse_m, num_walls)
         coarse_m: A wall of whose border a pixel covers more than this may lie off so much more.
         num_walls: Walls there are.
     """
-    H, b = np.zeros((4, 4)), np.zeros(4)
-    own, sums = np.zeros((num_walls, 2, 4)), np.zeros((num_walls, 2))
+    num = 4 + moves.shape[1]
+    H, b = np.zeros((num, num)), np.zeros(num)
+    own, sums = np.zeros((num_walls, 2, num)), np.zeros((num_walls, 2))
     counts, covered = np.zeros((num_walls, 3)), np.zeros(num_walls)
-    a = np.empty(4)
+    a = np.empty(num)
     for i in range(len(rows)):
         w = weights[i] / (sd * sd)
         if w <= 0.0:
             continue
         a[0], a[1], a[2], a[3] = rows[i, 1], rows[i, 2], rows[i, 3], -1.0
+        a[4:] = moves[i]
         wall = int(rows[i, 4])
         meters = 1.0 / np.sqrt(a[0] * a[0] + a[1] * a[1])  # of the floor, by pixel
         lean = -a[2] * meters * rows[i, 5]
-        for j in range(4):
-            for k in range(j, 4):
+        for j in range(num):
+            for k in range(j, num):
                 H[j, k] += w * a[j] * a[k]
             b[j] -= w * a[j] * rows[i, 0]
             own[wall, 0, j] += w * a[j]
@@ -111,7 +114,7 @@ def normal_equations(rows, weights, sd, offset_sd, wall_sd, coarse_m, num_walls)
         if wall_sd > 0.0 and counts[wall, 0] > 0.0:
             own_sd = wall_sd * max(1.0, covered[wall] / counts[wall, 0] / coarse_m)
             _eliminate(H, b, own[wall], sums[wall], counts[wall], 1.0 / (own_sd * own_sd))
-    for j in range(4):
+    for j in range(num):
         for k in range(j):
             H[j, k] = H[k, j]
     if offset_sd > 0.0:
@@ -126,12 +129,39 @@ def _eliminate(H, b, own, sums, counts, prior):  # type: ignore[no-untyped-def]
     """Take a wall's offset and lean out of the upper half of H and out of b."""
     p, q, r = counts[0] + prior, counts[1], counts[2] + prior
     det = p * r - q * q
-    for j in range(4):
+    for j in range(len(b)):
         first = (r * own[0, j] - q * own[1, j]) / det
         second = (p * own[1, j] - q * own[0, j]) / det
-        for k in range(j, 4):
+        for k in range(j, len(b)):
             H[j, k] -= first * own[0, k] + second * own[1, k]
         b[j] += first * sums[0] + second * sums[1]
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def moved_residuals(values, moves, pose, walls, rows, out):  # type: ignore[no-untyped-def]
+    """Fill in by how much residuals move with each axis of the calibration, (N, K).
+
+    Args:
+        values: Of `BorderRays`, (N, 7).
+        moves: The same, of bearings and inverse distances, (N, K, 2).
+        pose: x, y, yaw of the camera, (3,).
+        walls: As in `residuals`.
+        rows: Of `residuals` of all pieces there.
+        out: (N, K).
+    """
+    for i in range(len(values)):
+        wall = int(rows[i, 4])
+        if wall < 0:
+            out[i] = 0.0
+            continue
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        nx, ny = walls[wall, 4], walls[wall, 5]
+        ex = c * values[i, 0] - s * values[i, 1]
+        ey = s * values[i, 0] + c * values[i, 1]
+        slope = (ny * ex - nx * ey) / (walls[wall, 6] - nx * pose[0] - ny * pose[1])
+        variance = values[i, 5] - 2.0 * slope * values[i, 4] + slope * slope * values[i, 3]
+        for k in range(moves.shape[1]):
+            out[i, k] = (moves[i, k, 1] - slope * moves[i, k, 0]) / np.sqrt(variance)
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
@@ -153,7 +183,7 @@ def anneal(values, step, start, walls, first, spread, num_iterations):  # type: 
     """
     pose, offset, cost = start.copy(), 0.0, 1.0
     rows = np.empty((len(values) // step + 1, NUM_VALUES))
-    weights = np.empty(len(rows))
+    weights, no_moves = np.empty(len(rows)), np.empty((len(rows), 0))
     scale = first / FALL
     for _ in range(num_iterations):
         num = residuals(values, step, pose, walls, rows)
@@ -172,7 +202,9 @@ def anneal(values, step, start, walls, first, spread, num_iterations):  # type: 
             cost += rows[i, 6] * (part * BEHIND_COST if rows[i, 0] < offset - spread else part)
             total += rows[i, 6]
         cost /= total
-        H, b = normal_equations(rows[:num], weights[:num], 1.0, 1.0, 0.0, 1.0, len(walls))
+        H, b = normal_equations(
+            rows[:num], no_moves[:num], weights[:num], 1.0, 1.0, 0.0, 1.0, len(walls)
+        )
         for j in range(3):
             H[j, j] += 1e-9 + 1e-6 * H[j, j]
         d = np.linalg.solve(H, b)

@@ -9,11 +9,13 @@ nearly linear in the pixels out to the horizon, where r runs away.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numba
 import numpy as np
 
+from floornav_common.calibration import STEP, moved_cameras
 from floornav_common.floor_camera import FloorCamera
 
 _STEP_PX = 0.5
@@ -30,11 +32,14 @@ class BorderRays:
         values: cos phi, sin phi, rho, and for 1 px of noise var(phi), cov(phi, rho), var(rho), and
             the share of a whole measurement that it counts, (N, 7).
         num_paths: Paths there are.
+        moves: By how much phi and rho move if the calibration is off by a deviation along each of
+            its K independent axes, (N, K, 2).
     """
 
     index: np.ndarray
     values: np.ndarray
     num_paths: int
+    moves: np.ndarray
 
 
 class BorderScanner:
@@ -54,8 +59,22 @@ class BorderScanner:
         before = np.roll(pixels, 1, axis=0)
         is_step = np.abs(pixels - before).max(axis=1) <= 1
         is_step[starts[:-1][starts[:-1] < len(pixels)]] = False
-        middles = np.where(is_step[:, None], (pixels + before) / 2.0, np.nan)
-        self._table = measured(camera, middles, 2.0 * np.pi / self.num_paths).astype(np.float32)
+        self._middles = np.where(is_step[:, None], (pixels + before) / 2.0, np.nan)
+        self._camera = camera
+        self._table: np.ndarray | None = self._values(self._middles).astype(np.float32)
+        self._moves: np.ndarray | None = moves_of(camera, self._middles).astype(np.float32)
+
+    def through(self, camera: FloorCamera) -> BorderScanner:
+        """Return what walks the same paths and sees through another camera of the same size.
+
+        It is made at once, but works out what a border means with every mask anew.
+        """
+        other = copy(self)
+        other._camera, other._table, other._moves = camera, None, None
+        return other
+
+    def _values(self, middles: np.ndarray) -> np.ndarray:
+        return measured(self._camera, middles, 2.0 * np.pi / self.num_paths)
 
     def scan(self, mask: np.ndarray, farther: np.ndarray | None = None) -> BorderRays:
         """Return the border in a mask.
@@ -75,9 +94,14 @@ class BorderScanner:
         flat = np.ascontiguousarray(mask).reshape(-1)
         found = _first_floor(flat, self._flat, self._starts, is_farther)
         index = np.flatnonzero(found >= 0)
-        values = self._table[found[index]].astype(np.float64)
+        at = found[index]
+        if self._table is None or self._moves is None:
+            values = self._values(self._middles[at])
+            moves = moves_of(self._camera, self._middles[at])
+        else:
+            values, moves = (t[at].astype(np.float64) for t in (self._table, self._moves))
         keep = np.isfinite(values[:, 2])
-        return BorderRays(index[keep], values[keep], self.num_paths)
+        return BorderRays(index[keep], values[keep], self.num_paths, moves[keep])
 
 
 def rays_of_pixels(camera: FloorCamera, pixels: np.ndarray) -> BorderRays:
@@ -89,7 +113,21 @@ def rays_of_pixels(camera: FloorCamera, pixels: np.ndarray) -> BorderRays:
     """
     values = measured(camera, pixels, np.inf)
     keep = np.isfinite(values[:, 2])
-    return BorderRays(np.flatnonzero(keep), values[keep], len(pixels))
+    return BorderRays(
+        np.flatnonzero(keep), values[keep], len(pixels), moves_of(camera, pixels[keep])
+    )
+
+
+def moves_of(camera: FloorCamera, pixels: np.ndarray) -> np.ndarray:
+    """Return `BorderRays.moves` for border at pixels (N, 2), (N, K, 2); 0 if no floor."""
+    moved = moved_cameras(camera)
+    moves = np.zeros((len(pixels), len(moved), 2))
+    for k, pair in enumerate(moved):
+        (x, y), (x2, y2) = (c.floor_points(pixels).T for c in pair)
+        with np.errstate(invalid="ignore"):
+            moves[:, k, 0] = np.arctan2(y * x2 - x * y2, x * x2 + y * y2)
+            moves[:, k, 1] = 1.0 / np.hypot(x, y) - 1.0 / np.hypot(x2, y2)
+    return np.nan_to_num(moves / (2.0 * STEP), posinf=0.0, neginf=0.0)
 
 
 def measured(camera: FloorCamera, pixels: np.ndarray, spacing_rad: float) -> np.ndarray:

@@ -84,3 +84,11 @@ def propagate(estimate: PoseEstimate, motion: SE2, motion_cov: np.ndarray) -> Po
 def moved(estimate: PoseEstimate, T_body_base: SE2) -> PoseEstimate:
     """Return the pose of another frame of the same body, such as base_link for the camera's."""
     return propagate(estimate, T_body_base, np.zeros((3, 3)))
+
+
+def placed(T_new_map: SE2, estimate: PoseEstimate) -> PoseEstimate:
+    """Return an estimate in other axes of the map; its covariance turns with them."""
+    R = SE2(0.0, 0.0, T_new_map.yaw)
+    turn = np.eye(3)
+    turn[:2, :2] = (R @ np.eye(2)).T
+    return PoseEstimate(T_new_map @ estimate.pose, turn @ estimate.cov @ turn.T)
