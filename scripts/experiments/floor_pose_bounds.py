@@ -9,12 +9,13 @@ the information S^-1.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from experiments.floor_pose_scenes import CUBE_M, Cube, is_hidden, wall_distance
 from floor_perception.mirror_fit import fit_mirror, mirror_radius
+from floornav_common.calibration import calibration_of
 from floornav_common.cameras.unified import UnifiedCamera
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2
@@ -24,32 +25,38 @@ from multi_localizer.floor_rays import rays_of_pixels
 
 NUM_PAIRS = 24
 PAIR_NOISE_PX = 0.3
+CENTER_SD_PX = 0.05
+"""Of each coordinate of the mirror's center, as found from its rim in the picture."""
 NEAREST_PAIR_M, FARTHEST_PAIR_M = 0.15, 3.0
 
 
 @dataclass(frozen=True)
 class Mirror:
-    """A mirror's curve: gamma_px, xi, height_m (3,) and their covariance (3, 3)."""
+    """A mirror: gamma_px, xi, height_m and its center's u, v (5,), and their covariance (5, 5)."""
 
     parameters: np.ndarray
     cov: np.ndarray
 
     def camera(self, like: FloorCamera) -> FloorCamera:
-        """Return a camera with this curve, else as another one."""
-        return camera_of(self.parameters, like)
+        """Return a camera with this mirror, else as another one, that says how well it is known."""
+        camera = camera_of(self.parameters, like)
+        one = np.eye(5)
+        keys = {"fx_px": one[0], "fy_px": one[0], "xi": one[1], "height_m": one[2],
+                "center_u_px": one[3], "center_v_px": one[4]}  # fmt: skip
+        return replace(camera, calibration=calibration_of(keys, self.cov))
 
 
 def true_mirror(camera: FloorCamera) -> np.ndarray:
-    """Return gamma_px, xi and height_m of a camera of eq. 26: gamma = C / (H A), xi = B f / A."""
+    """Return gamma = C / (H A), xi = B f / A, H of a camera of eq. 26, and its center, (5,)."""
     mirror, H = camera.camera, camera.height_m
     A, B, C = mirror.a_px_per_mm, mirror.b_per_mm, mirror.c_px2  # type: ignore[attr-defined]
-    return np.array((C / (1000.0 * H * A), B * math.sqrt(C) / A, H))
+    return np.array((C / (1000.0 * H * A), B * math.sqrt(C) / A, H, *camera.center_px))
 
 
 def camera_of(parameters: np.ndarray, like: FloorCamera) -> FloorCamera:
-    """Return the camera with a mirror's parameters (3,), else as another one."""
-    gamma, xi, H = (float(p) for p in parameters)
-    (u, v), edge = like.center_px, float(like.camera.max_radius_px)  # type: ignore[attr-defined]
+    """Return the camera with a mirror's parameters (5,), else as another one."""
+    gamma, xi, H, u, v = (float(p) for p in parameters)
+    edge = float(like.camera.max_radius_px)  # type: ignore[attr-defined]
     return FloorCamera(
         UnifiedCamera(
             width_px=like.width_px, height_px=like.height_px, xi=xi, fx_px=gamma, fy_px=gamma,
@@ -64,28 +71,40 @@ def calibrated(
 ) -> Mirror:
     """Return the mirror as fitted to measured pairs of pixel radius and distance.
 
-    The pairs lie at distances whose radii are evenly spread; their radii have noise.
+    The pairs lie at distances whose radii are evenly spread; their radii have noise. So has the
+    center, CENTER_SD_PX.
     """
-    near, far = (float(mirror_radius(np.array(r), *true_mirror(camera)))
+    p = true_mirror(camera)
+    near, far = (float(mirror_radius(np.array(r), *p[:3]))
                  for r in (NEAREST_PAIR_M, FARTHEST_PAIR_M))  # fmt: skip
     radii = np.linspace(near, far, NUM_PAIRS)
     distances = camera.floor_distance(radii)
     fit = fit_mirror(radii + rng.normal(0.0, noise_px, NUM_PAIRS), distances)
-    return Mirror(fit.parameters, fit.statistics.cov)
+    center = p[3:] + rng.normal(0.0, CENTER_SD_PX, 2)
+    return Mirror(np.append(fit.parameters, center), _with_center(fit.statistics.cov))
 
 
 def calibration_cov(camera: FloorCamera, noise_px: float = PAIR_NOISE_PX) -> np.ndarray:
     """Return the covariance that such a calibration has, by its noise and the true curve."""
     p = true_mirror(camera)
-    near, far = (float(mirror_radius(np.array(r), *p)) for r in (NEAREST_PAIR_M, FARTHEST_PAIR_M))
+    near, far = (
+        float(mirror_radius(np.array(r), *p[:3])) for r in (NEAREST_PAIR_M, FARTHEST_PAIR_M)
+    )
     distances = camera.floor_distance(np.linspace(near, far, NUM_PAIRS))
     J = np.empty((NUM_PAIRS, 3))
     for k in range(3):
         step = np.zeros(3)
         step[k] = 1e-5 * p[k]
-        up, down = (mirror_radius(distances, *(p + s * step)) for s in (1.0, -1.0))
+        up, down = (mirror_radius(distances, *(p[:3] + s * step)) for s in (1.0, -1.0))
         J[:, k] = (up - down) / (2.0 * step[k])
-    return np.asarray(noise_px**2 * np.linalg.inv(J.T @ J))
+    return _with_center(noise_px**2 * np.linalg.inv(J.T @ J))
+
+
+def _with_center(curve: np.ndarray) -> np.ndarray:
+    """Return the covariance of curve and center, (5, 5)."""
+    cov = CENTER_SD_PX**2 * np.eye(5)
+    cov[:3, :3] = curve
+    return cov
 
 
 def border_pixels(
@@ -130,14 +149,13 @@ def bound(
         pixels: Border of walls without noise.
         plan: The floor.
         sd_px: Noise of the pixels.
-        mirror_cov: Covariance of the calibration, (3, 3); None: the mirror is known.
+        mirror_cov: Covariance of the calibration, (5, 5); None: the mirror is known.
     """
     p = true_mirror(camera)
     z, G = _distances(camera_of(p, camera), pose, pixels, plan)
-    information = np.zeros((6, 6))
-    by_mirror = np.zeros((len(z), 3))
-    for k in range(3):
-        step = np.zeros(3)
+    by_mirror = np.zeros((len(z), 5))
+    for k in range(5):
+        step = np.zeros(5)
         step[k] = 1e-5 * p[k]
         up, down = (
             _distances(camera_of(p + s * step, camera), pose, pixels, plan)[0] for s in (1.0, -1.0)

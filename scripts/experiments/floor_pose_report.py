@@ -44,6 +44,7 @@ def sections(values: Values, folder: Path) -> list[Section]:
         Section("Hidden border", [_sweep(values["occlusion"], "share", "share hidden")]),
         Section("Calibration", [_sweep(values["calibration"], "error_px", "error, px", "kind")]),
         Section("Light", [_sweep(values["light"], "exposure", "exposure", "light")]),
+        Section("Short drives, carried away once, with goals and odometry", [_drives(values)]),
         Section("Pictures", [picture]),
     ]  # fmt: skip
 
@@ -64,6 +65,9 @@ def _figures(values: Values) -> Figures:
         ("largest RMS of the heading", f"{turn:.2f} deg", mark(turn <= GOAL_DEG)),
         ("over the bound, true mirror (median)", f"{ratio:.2f}", mark(ratio <= GOAL_RATIO)),
         ("over the bound, calibrated mirror", f"{found:.2f}", mark(found <= GOAL_CALIBRATED)),
+        ("the same as the node comes, true mirror", f"{values['crlb_default_ratio_median']:.2f}"),
+        ("the same as the node comes, calibrated",
+         f"{values['crlb_calibrated_default_ratio_median']:.2f}"),
         (f"failures to {SURE_SHARE:.0%} hidden", str(lost), mark(lost == 0)),
         ("mean NEES (3 if covariances are true)", f"{nees['mean']:.2f}"),
         ("within the covariance's 95 %", f"{100.0 * nees['share_below_upper']:.1f} %"),
@@ -88,7 +92,8 @@ def _cells(values: Values, suffix: str, key: str = "positions") -> Table:
 
 def _bounds(values: Values) -> Table:
     header = ["x, y mm", "true mirror: x mm (ratio)", "y mm", "deg",
-              "calibrated: x mm (ratio)", "y mm", "deg"]  # fmt: skip
+              "calibrated: x mm (ratio)", "y mm", "deg",
+              "default settings, ratios of x, y, heading: true mirror", "calibrated"]  # fmt: skip
     rows = []
     for row in values["bounds"]["rows"]:
         cells: list[Any] = [f"{row['x_mm']}, {row['y_mm']}"]
@@ -96,8 +101,25 @@ def _bounds(values: Values) -> Table:
             for k, scale in enumerate((1e3, 1e3, math.degrees(1.0))):
                 bound, ratio = scale * row[f"{name}_bound"][k], row[f"{name}_ratio"][k]
                 cells.append(f"{bound:.3g} ({ratio:.2f})")
+        for name in ("true_default", "calibrated_default"):
+            cells.append(", ".join(f"{ratio:.2f}" for ratio in row[f"{name}_ratio"]))
         rows.append(cells)
     return Table(header, rows)
+
+
+def _drives(values: Values) -> Table:
+    d = values["drives"]
+    header = ["drives", "masks", "given, right", "given, wrong", "open", "lost",
+              "s to settle (largest)", "s to recover (largest)", "never settled",
+              "never recovered"]  # fmt: skip
+    times = [
+        "-" if t["median"] is None else f"{t['median']:.1f} ({t['largest']:.1f})"
+        for t in (d["settle_s"], d["recover_s"])
+    ]
+    return Table(header, [[
+        d["drives"], d["masks"], d["settled"], d["wrong"], d["open"], d["lost"], *times,
+        d["never_settled"], d["never_recovered"],
+    ]])  # fmt: skip
 
 
 def _sweep(rows: list[dict[str, Any]], key: str, title: str, name: str = "") -> Table:

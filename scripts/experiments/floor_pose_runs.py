@@ -30,6 +30,8 @@ from multi_localizer.floor_fitter import FloorFit, FloorShapeFitter
 from multi_localizer.floor_plan import FloorPlan
 from multi_localizer.floor_rays import rays_of_pixels
 from multi_localizer.pose_estimate import difference
+from sim_bridge.appearance import Light
+from sim_bridge.camera_config import ImageConfig
 
 POSITIONS_MM = ((0, 0), (600, 0), (1200, 0), (0, 600), (600, 600), (1200, 600))
 PAPER = {  # Table 1: RMS of x, y, mm, and theta, deg
@@ -38,8 +40,9 @@ PAPER = {  # Table 1: RMS of x, y, mm, and theta, deg
 }  # fmt: skip
 NUM_CUBES = 4
 NUM_MATES = 2  # poses that look the same on this field
-POSES_A_CALIBRATION = 10
 BORDER_SD_PX = 0.3
+MATCHED = {"border_sd_px": BORDER_SD_PX, "offset_sd_px": 0.0, "wall_sd_px": 0.0}
+BOUND_CASES = ("true", "calibrated", "true_default", "calibrated_default")
 FAILED_M, FAILED_RAD = 0.1, math.radians(5.0)
 CONFIDENCE = 0.95
 
@@ -132,6 +135,19 @@ def consistency(outcomes: Iterable[Outcome]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def field_camera(
+    size: tuple[int, int],
+    seed: int,
+    light: Light | None = None,
+    image: ImageConfig | None = None,
+) -> FieldCamera:
+    """Return what takes pictures and masks, the floor's detector with a calibrated camera too."""
+    field = FieldCamera(size, light, image, seed)
+    rng = np.random.default_rng([seed, 4])
+    field.see_through(calibrated(field.camera, rng).camera(field.camera))
+    return field
+
+
 def views_at(
     field: FieldCamera, position: tuple[int, int], num: int, plan: FloorPlan, seed: int
 ) -> list[View]:
@@ -166,10 +182,11 @@ def _view(field: FieldCamera, pose: SE2, cubes: tuple[Cube, ...], rng: np.random
 def calibrated_fitters(
     camera: FloorCamera, num: int, plan: FloorPlan, seed: int, noise_px: float
 ) -> list[FloorShapeFitter]:
-    """Return fitters, each with a calibration of its own."""
+    """Return fitters, each with a calibration of its own; the first one's paths serve all."""
     rng = np.random.default_rng([seed, 1])
     cameras = [calibrated(camera, rng, noise_px).camera(camera) for _ in range(num)]
-    return [FloorShapeFitter(c, plan) for c in cameras]
+    walked = FloorShapeFitter(cameras[0], plan).scanner
+    return [FloorShapeFitter(c, plan, scanner=walked.through(c)) for c in cameras]
 
 
 def border_errors(
@@ -177,13 +194,12 @@ def border_errors(
 ) -> dict[str, Any]:
     """Return errors from border of known noise beside their bound, the mirror known or calibrated.
 
-    The true mirror's fit is told that the border has no offset; the calibrated one's may have the
-    offset that such a calibration makes.
+    Once with a fit that is told what this border is like, of known noise and without offsets, and
+    once (`_default`) as it comes, prepared for walls whose border lies off.
     """
-    known = FloorFitConfig(border_sd_px=BORDER_SD_PX, offset_sd_px=0.0, wall_sd_px=0.0)
-    found = FloorFitConfig(border_sd_px=BORDER_SD_PX, offset_sd_px=0.1, wall_sd_px=0.0)
-    true_fit, S = FloorShapeFitter(camera, plan, known), calibration_cov(camera)
-    outcomes: dict[str, list[Outcome]] = {"true": [], "calibrated": []}
+    known, S = FloorFitConfig(**MATCHED), calibration_cov(camera)
+    true_fit, shipped = FloorShapeFitter(camera, plan, known), FloorShapeFitter(camera, plan)
+    outcomes: dict[str, list[Outcome]] = {name: [] for name in BOUND_CASES}
     bounds: dict[str, list[np.ndarray]] = {"true": [], "calibrated": []}
     for k in range(num):
         rng = np.random.default_rng([seed, *position, k, 2])
@@ -195,14 +211,18 @@ def border_errors(
         bounds["calibrated"].append(np.diag(bound(camera, pose, of_walls, plan, BORDER_SD_PX, S)))
         noisy = noisy_border(camera, pixels, BORDER_SD_PX, rng)
         mirror = calibrated(camera, rng).camera(camera)
-        fits = {"true": true_fit, "calibrated": FloorShapeFitter(mirror, plan, found)}
+        fits = {
+            "true": true_fit, "calibrated": FloorShapeFitter(mirror, plan, known),
+            "true_default": shipped, "calibrated_default": FloorShapeFitter(mirror, plan),
+        }  # fmt: skip
         for name, fitter in fits.items():
             outcomes[name].append(
                 judge(fitter.fit_border(rays_of_pixels(fitter.camera, noisy)), pose)
             )
     row: dict[str, Any] = {"x_mm": position[0], "y_mm": position[1]}
     for name in outcomes:
-        least, got = np.sqrt(np.mean(bounds[name], axis=0)), rms(outcomes[name])
+        least = np.sqrt(np.mean(bounds[name.removesuffix("_default")], axis=0))
+        got = rms(outcomes[name])
         row |= {f"{name}_bound": least.tolist(), f"{name}_rms": got.tolist(),
                 f"{name}_ratio": (got / least).tolist(),
                 f"{name}_failures": sum(o.has_failed for o in outcomes[name])}  # fmt: skip

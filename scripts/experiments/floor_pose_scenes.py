@@ -107,8 +107,12 @@ class FieldCamera:
         gain = np.clip(mirror.max_radius_px - radius + 0.5, 0.0, 1.0)
         edge = np.minimum(radius / mirror.max_radius_px, 1.0)
         self._sensor = ImageSensor(config.image, gain, edge, (seed, *size))
+        self.see_through(self.camera)
+
+    def see_through(self, camera: FloorCamera) -> None:
+        """Give the floor's detector a camera as it was calibrated; its color is learned anew."""
         keeps = FloorDetectorConfig(color=ColorConfig(adapt_s=0.0, relearn_s=0.0))
-        self._detector = FloorDetector(self.camera, keeps)
+        self._detector = FloorDetector(camera, keeps)
         self.mask(self.picture(SE2(-0.35, -0.1, 0.0), (), 0))
 
     def picture(self, pose: SE2, cubes: tuple[Cube, ...], frame: int) -> np.ndarray:
