@@ -19,6 +19,7 @@ import numpy as np
 
 _IP, _UDP = b"\x08\x00", 17
 _MAX_FRAME = 65_600
+_SAY_EVERY = 100  # frames
 _OUTGOING = 4  # socket.PACKET_OUTGOING: our own frames come back
 
 
@@ -36,6 +37,23 @@ def plan(rng: np.random.Generator, loss: float, delay_s: float, double: float) -
     if rng.random() < loss:
         return []
     return [float(rng.exponential(delay_s)) for _ in range(1 + (rng.random() < double))]
+
+
+class Tally:
+    """Draws what becomes of frames, and says now and then how many were lost and doubled."""
+
+    def __init__(self, rng: np.random.Generator, loss: float, delay_s: float, double: float):
+        self._rng, self._line = rng, (loss, delay_s, double)
+        self._num = self._lost = self._doubled = 0
+
+    def draw(self) -> list[float]:
+        delays = plan(self._rng, *self._line)
+        self._num += 1
+        self._lost += not delays
+        self._doubled += len(delays) > 1
+        if self._num % _SAY_EVERY == 0:
+            print(f"of {self._num} lost {self._lost}, doubled {self._doubled}", flush=True)
+        return delays
 
 
 def is_multicast(frame: bytes) -> bool:
@@ -77,9 +95,9 @@ def main() -> int:
         end = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.ntohs(3))
         end.bind((device, 3))
         ends.append(end)
-    rng = np.random.default_rng(args.seed)
+    tally = Tally(np.random.default_rng(args.seed), args.loss, args.delay, args.double)
     print("linked", flush=True)
-    carry(ends, lambda: plan(rng, args.loss, args.delay, args.double), args.unicast)
+    carry(ends, tally.draw, args.unicast)
     return 0
 
 

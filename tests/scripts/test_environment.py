@@ -461,7 +461,7 @@ def test_linked_packages_are_found_as_ros2_run_looks_for_them(tmp_path: Path) ->
         ),
         (
             ["multi_localizer", "x"],
-            'package multi_localizer has no executable "x"; it has: none yet',
+            'package multi_localizer has no executable "x"; it has: floor_localizer,',
         ),
         (["grid_mapper"], "run_node: PACKAGE and EXECUTABLE are needed"),
     ],
