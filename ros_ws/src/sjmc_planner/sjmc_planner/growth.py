@@ -180,7 +180,8 @@ def _from_base(wedges: Wedges, radius: float) -> tuple[np.ndarray, np.ndarray, n
     blind = max(wedges.blind, _TIP)
     tips = np.where(is_near, blind, wedges.ranges)[is_hit]
     is_near = is_near[is_hit]
-    share = np.where(is_near[:, None], np.linspace(0.0, 1.0, _PARTS), 1.0)
+    num_parts = _PARTS if is_near.any() else 1  # of most scans, only the end of each wedge counts
+    share = np.where(is_near[:, None], np.linspace(0.0, 1.0, num_parts), 1.0)
     angles = wedges.start[is_hit, None] + wedges.width[is_hit, None] * _ACROSS
     r = tips[:, None, None] * share[:, :, None]
     corners = np.stack((r * np.cos(angles)[:, None], r * np.sin(angles)[:, None]), axis=-1)
