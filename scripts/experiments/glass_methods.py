@@ -205,7 +205,6 @@ def all_rows(
         "sonar": Mapped(layers.sonar, None),
         "bayes": bayes,
         "range_layer": Mapped(costmap, beyond(costmap, layers.laser)),
-        "overlay_every_20_cm": Mapped(layers.occupancy, layers.glass),
     }
 
 
