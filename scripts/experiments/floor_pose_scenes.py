@@ -19,11 +19,10 @@ from floornav_common.se2 import SE2
 from multi_localizer.floor_plan import FloorPlan
 from sim_bridge.appearance import Light
 from sim_bridge.camera_config import ImageConfig, OmniCameraConfig
-from sim_bridge.cameras import mirror_rays
-from sim_bridge.image_effects import ImageSensor
+from sim_bridge.cameras import mirror_rays, mirror_sensor
 from sim_bridge.scene import Scene
-from sim_bridge.shape_kinds import BOX
 from sim_bridge.solids import Solid, solids_of
+from sim_bridge.still_shapes import StillShapes, upright_pose
 from sim_bridge.world import Furniture, load_world
 
 CUBE_M = 0.13
@@ -34,7 +33,7 @@ _COLORS = (
     (0.60, 0.45, 0.30), (0.20, 0.20, 0.24), (0.95, 0.95, 0.93), (0.75, 0.12, 0.10),
     (0.10, 0.25, 0.85), (0.95, 0.80, 0.05), (0.55, 0.55, 0.55), (0.95, 0.45, 0.05),
 )  # fmt: skip
-_AWAY = 100.0
+_AWAY = SE2(100.0, 100.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -45,30 +44,10 @@ class Cube:
     color: tuple[float, float, float]
 
 
-class _Boxes:
-    """What the renderer draws: the walls, and as many cubes as there are just now."""
-
-    def __init__(self, solids: list[Solid]) -> None:
-        spare = Solid("cube", SE2(_AWAY, _AWAY, 0.0), (CUBE_M,) * 3, 0.0, False, (0, 0, 0))
-        solids = [*solids, *[spare] * MAX_CUBES]
-        self._first = len(solids) - MAX_CUBES
-        self.kinds = np.full(len(solids), BOX, dtype=np.int64)
-        self.halves = np.array([s.size for s in solids]) / 2.0
-        self.colors = np.array([s.color for s in solids], dtype=float)
-        self.is_glass = np.zeros(len(solids), dtype=bool)
-        self.textures = [s.texture for s in solids]
-        self._T = np.stack([_pose3(s.pose, s.bottom + s.size[2] / 2.0) for s in solids])
-
-    def put(self, cubes: tuple[Cube, ...]) -> None:
-        """Take other cubes."""
-        away = Cube(SE2(_AWAY, _AWAY, 0.0), (0.0, 0.0, 0.0))
-        for k, cube in enumerate([*cubes, *[away] * (MAX_CUBES - len(cubes))]):
-            self._T[self._first + k] = _pose3(cube.pose, CUBE_M / 2.0)
-            self.colors[self._first + k] = cube.color
-
-    def poses(self) -> np.ndarray:
-        """Return where each box is, (N, 4, 4)."""
-        return self._T
+def _with_cubes(solids: list[Solid]) -> StillShapes:
+    """Return solids and, far away, as many cubes as there may be."""
+    spare = Solid("cube", _AWAY, (CUBE_M,) * 3, 0.0, False, (0, 0, 0))
+    return StillShapes([*solids, *[spare] * MAX_CUBES])
 
 
 class FieldCamera:
@@ -99,14 +78,11 @@ class FieldCamera:
         config = OmniCameraConfig(width_px=size[0], height_px=size[1], image=image or ImageConfig())
         mirror = config.camera()
         self.camera = FloorCamera(mirror, mirror.viewpoint_height)
-        self._boxes = _Boxes(solids_of(world))
-        self._scene = Scene(world, self._boxes, np.eye(4))  # type: ignore[arg-type]
+        solids = solids_of(world)
+        self._first_cube, self._shapes = len(solids), _with_cubes(solids)
+        self._scene = Scene(world, self._shapes, np.eye(4))
         self._rays = mirror_rays(mirror, config.samples, config.refine_above)
-        v, u = np.mgrid[: size[1], : size[0]]
-        radius = np.hypot(u - mirror.center_u_px, v - mirror.center_v_px)
-        gain = np.clip(mirror.max_radius_px - radius + 0.5, 0.0, 1.0)
-        edge = np.minimum(radius / mirror.max_radius_px, 1.0)
-        self._sensor = ImageSensor(config.image, gain, edge, (seed, *size))
+        self._sensor = mirror_sensor(config, (seed, *size))
         self.see_through(self.camera)
 
     def see_through(self, camera: FloorCamera) -> None:
@@ -117,8 +93,10 @@ class FieldCamera:
 
     def picture(self, pose: SE2, cubes: tuple[Cube, ...], frame: int) -> np.ndarray:
         """Return what the camera sees from a pose of the robot, (H, W, 3), RGB, uint8."""
-        self._boxes.put(cubes)
-        T = _pose3(pose, self.camera.height_m)
+        away = Cube(_AWAY, (0.0, 0.0, 0.0))
+        for k, cube in enumerate([*cubes, *[away] * (MAX_CUBES - len(cubes))]):
+            self._shapes.put(self._first_cube + k, cube.pose, cube.color)
+        T = upright_pose(pose, self.camera.height_m)
         return self._sensor.expose(self._scene.light_at(self._rays, T), frame)
 
     def mask(self, picture: np.ndarray) -> np.ndarray:
@@ -231,9 +209,3 @@ def _is_cube(box: Furniture) -> bool:
 def _turn(yaw: float) -> np.ndarray:
     c, s = math.cos(yaw), math.sin(yaw)
     return np.array([[c, -s], [s, c]])
-
-
-def _pose3(pose: SE2, up: float) -> np.ndarray:
-    T = np.eye(4)
-    T[:2, :2], T[:3, 3] = _turn(pose.yaw), (pose.x, pose.y, up)
-    return T

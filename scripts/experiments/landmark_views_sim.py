@@ -19,12 +19,11 @@ from floor_perception.resources import find_file
 from floornav_common.camera_files import load_camera_model
 from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.landmarks import load_landmarks
-from sim_bridge.cameras import mirror_rays
-from sim_bridge.image_effects import ImageSensor
+from sim_bridge.cameras import mirror_rays, mirror_sensor
 from sim_bridge.robot_model import load_robot
 from sim_bridge.scene import Scene
-from sim_bridge.shape_kinds import BOX
 from sim_bridge.solids import solids_of
+from sim_bridge.still_shapes import StillShapes, upright_pose
 from sim_bridge.world import RobotPlacement, load_world
 
 MIDDLE = SE2(0.0, 0.4, 0.0)
@@ -45,23 +44,6 @@ class View:
     mask: np.ndarray
 
 
-class _Boxes:
-    """The world's boxes, which stand still."""
-
-    def __init__(self, world_name: str) -> None:
-        solids = [s for s in solids_of(_empty(world_name)) if not s.is_round]
-        self.kinds = np.full(len(solids), BOX, dtype=np.int64)
-        self.halves = np.array([s.size for s in solids]) / 2.0
-        self.colors = np.array([s.color for s in solids], dtype=float)
-        self.is_glass = np.zeros(len(solids), dtype=bool)
-        self.textures = [s.texture for s in solids]
-        self._T = np.stack([_pose3(s.pose, s.bottom + s.size[2] / 2.0) for s in solids])
-
-    def poses(self) -> np.ndarray:
-        """Return where each box is, (N, 4, 4)."""
-        return self._T
-
-
 class FieldEye:
     """Takes views of the middle-size field.
 
@@ -75,15 +57,11 @@ class FieldEye:
         assert config is not None
         mirror = config.camera()
         self.camera = load_camera_model("soccer_middle_size")
-        world = _empty("middle_size_field")
-        self._scene = Scene(world, _Boxes("middle_size_field"), np.eye(4))  # type: ignore[arg-type]
+        world = replace(load_world("middle_size_field"), balls=(), robots=())
+        self._scene = Scene(world, StillShapes(solids_of(world)), np.eye(4))
         self._rays = mirror_rays(mirror, config.samples, config.refine_above)
-        v, u = np.mgrid[: mirror.height_px, : mirror.width_px]
-        radius = np.hypot(u - mirror.center_u_px, v - mirror.center_v_px)
-        gain = np.clip(mirror.max_radius_px - radius + 0.5, 0.0, 1.0)
-        edge = np.minimum(radius / mirror.max_radius_px, 1.0)
         size = (mirror.width_px, mirror.height_px)
-        self._sensor = ImageSensor(config.image, gain, edge, (seed, *size))
+        self._sensor = mirror_sensor(config, (seed, *size))
         self._markers = MarkerDetector(
             self.camera, load_marker_classes(find_file("soccer", "colors"))
         )
@@ -95,7 +73,7 @@ class FieldEye:
     def view(self, pose: SE2, frame: int) -> View:
         """Return what is seen from a pose of the robot; `frame` numbers the noise."""
         picture = self._sensor.expose(
-            self._scene.light_at(self._rays, _pose3(pose, self.camera.height_m)), frame
+            self._scene.light_at(self._rays, upright_pose(pose, self.camera.height_m)), frame
         )
         bearings = {}
         for kind, markers in self._markers.detect(picture, "rgb").items():
@@ -120,14 +98,3 @@ def measured_bearing_sd(seed: int, num_views: int = 60) -> float:
                 x, y = mark.point_seen(place) - place
                 off += [wrap_angle(math.atan2(y, x) - pose.yaw - b) for b in bearings]
     return float(np.sqrt(np.mean(np.square(off))))
-
-
-def _empty(world_name: str):  # type: ignore[no-untyped-def]
-    return replace(load_world(world_name), balls=(), robots=())
-
-
-def _pose3(pose: SE2, up: float) -> np.ndarray:
-    c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-    T = np.eye(4)
-    T[:2, :2], T[:3, 3] = ((c, -s), (s, c)), (pose.x, pose.y, up)
-    return T

@@ -16,8 +16,8 @@ from floornav_common.se2 import SE2
 from sim_bridge.cameras import Cameras
 from sim_bridge.robot_model import load_robot
 from sim_bridge.scene import Scene
-from sim_bridge.shape_kinds import BOX, CYLINDER
 from sim_bridge.solids import Solid, solids_of
+from sim_bridge.still_shapes import StillShapes, solid_pose, upright_pose
 from sim_bridge.world import load_world
 
 WORLD = "stereo_room"
@@ -40,21 +40,6 @@ class View:
     left: np.ndarray
     right: np.ndarray
     depth: np.ndarray
-
-
-class _Drawn:
-    """The solids of a room as the renderer takes them."""
-
-    def __init__(self, solids: list[Solid]) -> None:
-        self.kinds = np.array([CYLINDER if s.is_round else BOX for s in solids], dtype=np.int64)
-        self.halves = np.array([s.size for s in solids]) / 2.0
-        self.colors = np.array([s.color for s in solids], dtype=float)
-        self.is_glass = np.zeros(len(solids), dtype=bool)
-        self.textures = [s.texture for s in solids]
-        self._T = np.stack([solid_pose(s) for s in solids])
-
-    def poses(self) -> np.ndarray:
-        return self._T
 
 
 class _Base:
@@ -87,8 +72,6 @@ class StereoRoom:
         assert model.config.stereo is not None
         model = replace(model, config=replace(model.config, omni=None))
         self._world, self.solids = world, solids_of(world)
-        if any(s.is_ball or s.glass is not None for s in self.solids):
-            raise ValueError(f"world {name}: balls and glass have no true distance here")
         stereo = model.config.stereo
         self.baseline_m, self.focal_px = model.baseline(PAIR), stereo.focal_px
         self.fov_rad = stereo.fov_rad
@@ -97,7 +80,7 @@ class StereoRoom:
         self._low, self._high = np.array(world.floor.from_m), np.array(world.floor.to_m)
         self.farthest_m = float(np.hypot(*(self._high - self._low)))
         self._base = _Base()
-        scene = Scene(world, _Drawn(self.solids), np.eye(4))  # type: ignore[arg-type]
+        scene = Scene(world, StillShapes(self.solids), np.eye(4))
         self._cameras = Cameras("", model, scene, seed)
 
     def views(self, num: int, rng: np.random.Generator) -> Iterator[View]:
@@ -115,9 +98,7 @@ class StereoRoom:
 
     def view(self, pose: SE2, frame: int) -> View:
         """Return what is seen from a pose; the noise is that of a frame's number."""
-        c, s = math.cos(pose.yaw), math.sin(pose.yaw)
-        T = np.eye(4)
-        T[:2, :2], T[:2, 3] = [[c, -s], [s, c]], [pose.x, pose.y]
+        T = upright_pose(pose, 0.0)
         self._base.T_world_base = T
         images = self._cameras.stereo(PAIR, self._base, frame)
         return View(pose, images.left, images.right, self._depth(T @ self._T_base_left))
@@ -133,15 +114,6 @@ class StereoRoom:
         ceiling = math.inf if self._world.ceiling_m is None else self._world.ceiling_m
         depth = room_depth(T_world_camera[:3, 3], turned, self.solids, ceiling)
         return depth.reshape(height, width)
-
-
-def solid_pose(solid: Solid) -> np.ndarray:
-    """Return `T_world_middle` of a solid, (4, 4)."""
-    c, s = math.cos(solid.pose.yaw), math.sin(solid.pose.yaw)
-    T = np.eye(4)
-    T[:2, :2] = [[c, -s], [s, c]]
-    T[:3, 3] = solid.pose.x, solid.pose.y, solid.bottom + solid.size[2] / 2.0
-    return T
 
 
 def room_depth(

@@ -83,6 +83,15 @@ def mirror_rays(camera: MirrorCamera, samples: int, refine_above: float) -> Rays
     return sorted_rays(directions, is_seen, refine_above)
 
 
+def mirror_sensor(config: OmniCameraConfig, key: tuple[int, ...]) -> ImageSensor:
+    """Return what makes images of a mirror's light; `key` seeds the noise."""
+    camera = config.camera()
+    radius = _radius(camera)
+    # The mirror's edge covers a part of the pixels that it crosses.
+    gain = np.clip((camera.max_radius_px - radius) / _EDGE_SOFTNESS_PX + 0.5, 0.0, 1.0)
+    return ImageSensor(config.image, gain, np.minimum(radius / camera.max_radius_px, 1.0), key)
+
+
 def pinhole_rays(
     width_px: int, height_px: int, focal_px: float, samples: int, refine_above: float = -1.0
 ) -> Rays:
@@ -99,12 +108,8 @@ def _omni_camera(
     config: OmniCameraConfig, T_base_camera: np.ndarray, key: tuple[int, ...]
 ) -> _Camera:
     camera = config.camera()
-    radius = _radius(camera)
-    # The mirror's edge covers a part of the pixels that it crosses.
-    gain = np.clip((camera.max_radius_px - radius) / _EDGE_SOFTNESS_PX + 0.5, 0.0, 1.0)
-    edge = np.minimum(radius / camera.max_radius_px, 1.0)
-    sensor = ImageSensor(config.image, gain, edge, key)
-    return _Camera(T_base_camera, mirror_rays(camera, config.samples, config.refine_above), sensor)
+    rays = mirror_rays(camera, config.samples, config.refine_above)
+    return _Camera(T_base_camera, rays, mirror_sensor(config, key))
 
 
 def _pinhole_camera(

@@ -8,11 +8,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from sim_bridge.camera_rays import Rays
-from sim_bridge.drawn_shapes import DrawnShapes
 from sim_bridge.floor_picture import floor_picture
 from sim_bridge.ray_shapes import COLOR, HALF, NUM_COLUMNS
 from sim_bridge.rendering import render
 from sim_bridge.shading import Ground, Lighting, Shapes
+from sim_bridge.still_shapes import Drawable
 from sim_bridge.textures import PATTERN_TEXEL, atlas_of, pattern
 from sim_bridge.world import World
 
@@ -28,7 +28,7 @@ class Scene:
     """
 
     def __init__(
-        self, world: World, drawn: DrawnShapes, T_new_old: np.ndarray, num_threads: int = 1
+        self, world: World, drawn: Drawable, T_new_old: np.ndarray, num_threads: int = 1
     ) -> None:
         self._drawn, self._T_old_new = drawn, np.linalg.inv(T_new_old)
         names = sorted({name for name in drawn.textures if name})
