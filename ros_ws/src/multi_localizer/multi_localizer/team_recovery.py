@@ -9,6 +9,7 @@ import numpy as np
 from multi_localizer.team_fit import TeamFit
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_relocate import (
+    MOST_PRIOR,
     best_places,
     best_pose,
     crossing_score,
@@ -16,6 +17,7 @@ from multi_localizer.team_relocate import (
     pattern_score,
 )
 from multi_localizer.team_state import Identification
+from multi_localizer.team_trust import WRONG_PRIOR
 
 _ANYWHERE = 1.0  # m around the team
 _REACH = 3.2  # deviations of a rough pose
@@ -25,9 +27,7 @@ _BLUR = 0.04  # m
 _LEAST_PLACED = 2
 _LITTLE = 0.8  # share of its bearings: a robot that explains less may be anywhere
 _SURE = 0.8
-_MOST_PRIOR = 8.0
 _PLACED_SD = 0.6  # m; robots known worse help nobody
-_WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where the robot is: it was wrong
 
 
 def explained_share(problem: TeamProblem, found: Identification) -> np.ndarray:
@@ -84,7 +84,7 @@ def relocate_lost(
         num_moved += 1
         _put(x, cov, int(u), pose)
         seen[(seen == u) | (owners == u)] = -1
-        if weight[u] > 0.0 and _prior_distance(problem, int(u), pose) > _WRONG_PRIOR:
+        if weight[u] > 0.0 and _prior_distance(problem, int(u), pose) > WRONG_PRIOR:
             weight[u] = 0.0
     fit = TeamFit(x, cov, found.fit.cost)
     return replace(found, fit=fit, seen=seen, prior_weight=weight), num_moved
@@ -163,7 +163,7 @@ class _Search:
         score = crossing_score(px, py, self.u, _BLUR, *arrays)
         score += pattern_score(px, py, yaw, self.u, _BLUR, *arrays, *_mark_arrays(problem))
         if self.has_prior:
-            score -= min(0.5 * _prior_distance(problem, self.u, pose), _MOST_PRIOR)
+            score -= min(0.5 * _prior_distance(problem, self.u, pose), MOST_PRIOR)
         return float(score)
 
 

@@ -11,22 +11,21 @@ import numba
 import numpy as np
 
 from multi_localizer.team_normal import wrap
-from multi_localizer.team_yaws import position_sd
+from multi_localizer.team_yaws import CLUTTER, position_sd
 
 BINS = 256
 """Directions at which the nearest bearing is noted."""
 _CELLS = 10  # of the grid, to each side of its middle
 _PLACES = 6  # looked at more closely
 _DETECTED = 0.6
-_CLUTTER = 0.5 / (2.0 * np.pi)
-_MOST_PRIOR = 8.0  # a rough pose may be plain wrong: it speaks against a place no louder
+MOST_PRIOR = 8.0  # a rough pose may be plain wrong: it speaks against a place no louder
 _YAW_STEP = 0.03
 
 
 @numba.njit(cache=True, inline="always")
 def _term(e: float, v: float) -> float:
     """Return the log-likelihood ratio of the nearest bearing, e away, being the robot's."""
-    like = np.exp(-0.5 * e * e / v) / np.sqrt(2.0 * np.pi * v) / _CLUTTER
+    like = np.exp(-0.5 * e * e / v) / np.sqrt(2.0 * np.pi * v) / CLUTTER
     return np.log(1.0 - _DETECTED + _DETECTED * like)
 
 
@@ -116,7 +115,7 @@ def pattern_score(
 def _against_prior(px: float, py: float, prior: np.ndarray, info: np.ndarray) -> float:
     dx, dy = px - prior[0], py - prior[1]
     squared = info[0, 0] * dx * dx + 2.0 * info[0, 1] * dx * dy + info[1, 1] * dy * dy
-    return min(0.5 * squared, _MOST_PRIOR)
+    return min(0.5 * squared, MOST_PRIOR)
 
 
 @numba.njit(cache=True)
@@ -174,7 +173,7 @@ def best_pose(
                 is_placed, mark_robot, mark_bearing, mark_var, marks, mark_first, mark_last,
             )  # fmt: skip
             if reach < np.pi:
-                score -= min(4.5 * (s * _YAW_STEP / reach) ** 2, _MOST_PRIOR)
+                score -= min(4.5 * (s * _YAW_STEP / reach) ** 2, MOST_PRIOR)
             if score > best[3]:
                 best[0], best[1], best[2], best[3] = places[p, 0], places[p, 1], turned, score
     best[2] = wrap(best[2])

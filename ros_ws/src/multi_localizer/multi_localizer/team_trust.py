@@ -16,7 +16,7 @@ from multi_localizer.team_fit import TeamFit
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_state import Identification
 
-_WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where landmarks put the robot
+WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where the robot is: it was wrong
 _LEAST_MARKS = 2
 _LEAST_VIEWS = 3  # bearings; of so few, liars' fit nobody at all
 _MOST_NEEDED = 0.9
@@ -33,7 +33,7 @@ def contradicted_priors(problem: TeamProblem, alone: TeamFit, mark_seen: np.ndar
     e = alone.poses - problem.prior
     e[:, 2] = (e[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
     squared = np.einsum("ni,nij,nj->n", e, problem.prior_info, e)
-    return np.asarray((squared > _WRONG_PRIOR) & (num_marks >= _LEAST_MARKS) & problem.has_prior)
+    return np.asarray((squared > WRONG_PRIOR) & (num_marks >= _LEAST_MARKS) & problem.has_prior)
 
 
 def trust(problem: TeamProblem, found: Identification) -> float:

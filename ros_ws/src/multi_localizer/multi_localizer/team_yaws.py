@@ -17,7 +17,7 @@ _STEP = 0.035  # rad
 _LEAST_SD = 0.07  # rad; the others' positions are not told again
 _WIDER = 1.5
 _DETECTED = 0.8
-_CLUTTER = 0.5 / (2.0 * np.pi)
+CLUTTER = 0.5 / (2.0 * np.pi)  # half a bearing of nobody's, anywhere around
 
 
 @numba.njit(cache=True)
@@ -85,7 +85,7 @@ def _best_turn(
                 e = wrap(bearings[k] + turn - expected)
                 if e * e < 12.0 * v:
                     total += np.exp(-0.5 * e * e / v)
-            total *= _DETECTED / np.sqrt(2.0 * np.pi * v) / _CLUTTER
+            total *= _DETECTED / np.sqrt(2.0 * np.pi * v) / CLUTTER
             scores[s] += np.log(1.0 - _DETECTED + total)
     best = np.max(scores)
     weights, mean, square = 0.0, 0.0, 0.0
