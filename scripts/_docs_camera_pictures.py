@@ -29,7 +29,7 @@ _NAMED = (  # things of small_size_field: where they are, m, and how far out the
     ("center circle", (-0.05, 0.24), 290.0),
     ("wall", (-0.3, -0.76), 165.0),
 )
-_STEREO_POSE = SE2(1.7, 2.3, math.radians(30.0))
+_STEREO_POSE = SE2(1.6, 2.05, math.radians(36.0))
 _BOX = {"facecolor": "black", "alpha": 0.6, "lw": 0.0, "pad": 2.0}
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim_bridge.camera_config import ImageConfig, OmniCameraConfig, StereoConfig, optical_frame
+from sim_bridge.camera_config import ImageConfig, OmniCameraConfig, optical_frame
 from sim_bridge.config import LaserConfig
 from sim_bridge.glass import Glass, optical_delay, specular_probability, transmittance
 from sim_bridge.robot_model import load_robot
@@ -98,8 +98,9 @@ def _mirror() -> dict[str, str]:
 
 
 def _stereo() -> dict[str, str]:
-    config = StereoConfig()
-    mounts = load_robot(RobotPlacement(model="segway_stereo", position_m=(0.0, 0.0))).mounts
+    model = load_robot(RobotPlacement(model="segway_stereo", position_m=(0.0, 0.0)))
+    config, mounts = model.config.stereo, model.mounts
+    assert config is not None
     left, right = (mounts[optical_frame("front", side)][:3, 3] for side in ("left", "right"))
     baseline = float(np.linalg.norm(left - right))
     return {

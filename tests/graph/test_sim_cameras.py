@@ -70,7 +70,7 @@ def test_stereo_pairs_come_with_their_camera_info(sim, peer) -> None:
         assert info.header.frame_id == image.header.frame_id
         assert (info.width, info.height) == (image.width, image.height) == (320, 240)
         shift = -info.p[3] / info.p[0]
-        assert shift == pytest.approx(0.12 if topic.endswith("right") else 0.0)
+        assert shift == pytest.approx(0.10 if topic.endswith("right") else 0.0)
 
 
 def test_a_camera_is_watched_while_somebody_subscribes_to_any_of_its_topics(peer) -> None:

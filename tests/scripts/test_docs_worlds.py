@@ -45,7 +45,7 @@ def test_the_text_gives_the_figures_of_the_defaults():
     assert "8 mm, index 1.52" in text
     assert "| 100 | 1.62 | 0.127 |" in text  # eq. 26 by hand: 100 / (10.12 - 0.02054 * 489.69)
     assert "205 mm above the floor" in text
-    assert "7.0 px at 4 m" in text  # 0.12 m * 233.1 px / 4 m
+    assert "6.9 px at 4 m" in text  # 0.10 m * 276.3 px / 4 m
 
 
 def test_a_ride_keeps_the_last_scan_and_where_everyone_was():

@@ -159,20 +159,23 @@ def _stereo_world(light: Light = FLAT_LIGHT) -> World:
 
 
 def test_disparity_of_a_post_is_focal_length_times_baseline_over_depth(simulate) -> None:
-    simulation = simulate(_stereo_world())
+    overrides = {"stereo": {"image": CLEAN, "samples": 4, "refine_above": -1.0}}  # finer than a px
+    world = _stereo_world()
+    fine = replace(world, robots=(replace(world.robots[0], overrides=overrides),))
+    simulation = simulate(fine)
     pair = next(seen.stereo for seen in _seen(simulation) if seen.stereo is not None)["front"]
     model = simulation.models[""]
-    assert model.baseline("front") == pytest.approx(0.12)
+    assert model.baseline("front") == pytest.approx(0.10)
     middles = []
     for image in (pair.left, pair.right):
         row = image[100].astype(float).min(axis=1)
-        row[row < 150.0] = 0.0
+        row[row < 80.0] = 0.0
         middles.append((row * np.arange(len(row))).sum() / row.sum())
     focal = model.config.stereo.focal_px
     depth = math.hypot(1.97 + 0.11, 0.0)  # the camera is 0.11 m behind base_link
-    assert middles[0] - middles[1] == pytest.approx(focal * 0.12 / depth, abs=0.15)
-    # Left of the left camera's axis (y = 0.06) by 0.04 m: so many pixels left of the middle.
-    assert middles[0] == pytest.approx(159.5 - focal * 0.04 / depth, abs=0.3)
+    assert middles[0] - middles[1] == pytest.approx(focal * 0.10 / depth, abs=0.15)
+    # Left of the left camera's axis (y = 0.05) by 0.05 m: so many pixels left of the middle.
+    assert middles[0] == pytest.approx(159.5 - focal * 0.05 / depth, abs=0.3)
 
 
 def test_the_picture_agrees_with_the_engines_own(simulate) -> None:
@@ -198,7 +201,8 @@ def test_shadow_light_and_color_act_as_asked(simulate) -> None:
     assert (mean(Light(shadow=1.0)) < plain).all()
     tinted = mean(Light(shadow=0.0, color=(1.0, 0.5, 0.5)))
     assert tinted[0] == pytest.approx(plain[0], rel=0.01)
-    assert tinted[1:] == pytest.approx(plain[1:] / 2.0, rel=0.02)
+    # An even gray takes a whole level, up to half of one off.
+    assert tinted[1:] == pytest.approx(plain[1:] / 2.0, abs=0.5)
 
 
 @pytest.mark.parametrize("name", ["soccer_small_size", "soccer_middle_size"])
