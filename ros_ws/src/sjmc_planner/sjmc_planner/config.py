@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from floornav_common.config import param, validate
+from sjmc_planner.histogram_config import HistogramConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,8 +85,9 @@ class LocalPlannerConfig:
     """Settings of the node `local_planner`."""
 
     method: str = param(
-        "omni_velocity", "How to avoid obstacles.", choices=("omni_velocity", "omni_static")
-    )
+        "omni_velocity", "How to avoid obstacles.",
+        choices=("omni_velocity", "omni_static", "vfh_plus"),
+    )  # fmt: skip
     goal_source: str = param(
         "path", "`path`: follow the topic `path`; `goal_pose`: go straight for the topic "
         "`goal_pose`; `follow_path`: Nav2's action.",
@@ -112,6 +114,7 @@ class LocalPlannerConfig:
     )
     robot: RobotConfig = RobotConfig()
     omni: OmniConfig = OmniConfig()
+    histogram: HistogramConfig = HistogramConfig()
 
     def __post_init__(self) -> None:
         validate(self)
