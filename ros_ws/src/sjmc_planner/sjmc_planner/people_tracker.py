@@ -1,9 +1,18 @@
-"""Tracks of people from scans: where they are and how they move over the ground."""
+"""Tracks of people from scans: where they are and how they move over the ground.
+
+A scan falls into things (`scan_clusters`, `scan_shapes`); each is held against where it was free a
+moment ago (`seen_free`); tracks take what fits them (`track_assignment`), and each says where its
+person is, how it moves, and how sure it is that it moves at all (`track_filter`). All of that is in
+a frame that odometry holds still, so that a robot that drives and turns gives nothing a velocity.
+
+A control cycle may be shorter than the time between scans: a scan that was there before adds
+nothing but time. Whoever is hidden is carried on; whoever is not where free space is seen is gone
+sooner.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,21 +21,27 @@ from floornav_common.se2 import SE2
 from sjmc_planner.obstacle_state import Tracks, no_tracks
 from sjmc_planner.planning import Obstacles
 from sjmc_planner.scan_clusters import cluster_beams
+from sjmc_planner.scan_shapes import NUM_COLUMNS, shapes_of
+from sjmc_planner.seen_free import SeenFree, told_of
+from sjmc_planner.track_assignment import NUM_CANDIDATE_COLUMNS, candidates_of
+from sjmc_planner.track_report import report
+from sjmc_planner.track_update import (
+    AGE,
+    NUM_INFO,
+    NUMBER,
+    SIZE,
+    UNSEEN,
+    age_tracks,
+    begin_new,
+    drop_gone,
+    see,
+)
 from sjmc_planner.tracking_config import TrackingConfig
 
-_NOISE = 0.07
-_GATE2 = 9.2  # chi^2 of two dimensions, 99 %
-
-
-@dataclass
-class _Track:
-    number: int
-    mean: np.ndarray
-    cov: np.ndarray
-    radius: float
-    age: float = 0.0
-    unseen: float = 0.0
-    beams: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+_MOST = 128  # tracks
+_MOST_CANDIDATES = 1024
+_JUMP_M = 2.0  # a robot that is elsewhere at once has lost everybody
+_JUMP_S = 2.0  # and so has one that did not look
 
 
 class PeopleTracker:
@@ -38,14 +53,20 @@ class PeopleTracker:
 
     def __init__(self, config: TrackingConfig) -> None:
         self._config = config
+        self._candidates = np.zeros((_MOST_CANDIDATES, NUM_CANDIDATE_COLUMNS))
+        self._states, self._state_covs = np.zeros((_MOST, 4)), np.zeros((_MOST, 4, 4))
+        self._last_number = 0
         self.reset()
 
     def reset(self) -> None:
         """Forget everybody."""
-        self._T_odom_base = SE2.identity()
-        self._tracks: list[_Track] = []
-        self._last: Scan | None = None
+        self._base = np.zeros(3)
+        tracks = np.zeros((_MOST, 2, 4)), np.zeros((_MOST, 2, 4, 4))
+        self._tracks = (*tracks, np.zeros(_MOST), np.zeros((_MOST, NUM_INFO)))
         self._num = 0
+        self._seen_free = SeenFree()
+        self._last: Scan | None = None
+        self._since = 0.0
 
     def update(self, obstacles: Obstacles, moved: SE2, dt: float) -> Tracks:
         """Return who is where now.
@@ -55,112 +76,68 @@ class PeopleTracker:
             moved: Where the robot is, seen from where it was at the last call.
             dt: Time since the last call, s.
         """
-        self._T_odom_base = self._T_odom_base @ moved
-        for track in self._tracks:
-            _predict(track, self._config.accel_m_s2, dt)
+        if abs(moved.x) + abs(moved.y) > _JUMP_M or not 0.0 <= dt <= _JUMP_S:
+            self.reset()
+            moved, dt = SE2(0.0, 0.0, 0.0), 0.0
+        self._base = _moved(self._base, moved)
+        age_tracks(*self._tracks, self._num, self._config.accel_m_s2, dt)
+        self._seen_free.age(dt)
+        self._since += dt
         if obstacles.scan is not self._last:
-            self._last = obstacles.scan
             self._see(obstacles)
-        self._tracks = [t for t in self._tracks if t.unseen <= self._config.memory_s]
-        return self._result(len(obstacles.scan.ranges))
+        return self._result()
 
     def _see(self, obstacles: Obstacles) -> None:
-        for middle, half, beams in self._candidates(obstacles):
-            near = [(_distance2(t, middle), n) for n, t in enumerate(self._tracks) if t.unseen > 0]
-            best = min(near, default=(math.inf, -1))
-            if best[0] < _GATE2:
-                track = self._tracks[best[1]]
-                _correct(track, middle)
-                track.unseen, track.beams = 0.0, beams
-                track.radius = max(self._config.person_radius_m, half)
-            else:
-                self._num += 1
-                cov = np.diag([_NOISE**2, _NOISE**2, 1.0, 1.0])
-                mean = np.array([*middle, 0.0, 0.0])
-                radius = max(self._config.person_radius_m, half)
-                self._tracks.append(_Track(self._num, mean, cov, radius, beams=beams))
-
-    def _candidates(self, obstacles: Obstacles) -> list[tuple[np.ndarray, float, np.ndarray]]:
         scan, config = obstacles.scan, self._config
-        labels = np.empty(len(scan.ranges), dtype=np.int64)
-        farthest = min(scan.range_max, config.range_m)
-        step = abs(scan.angle_increment)
-        num = cluster_beams(scan.ranges, scan.range_min, farthest, step, labels)
-        T = self._T_odom_base @ obstacles.T_base_sensor
-        unit = np.column_stack((np.cos(scan.angles), np.sin(scan.angles)))
-        with np.errstate(invalid="ignore"):
-            points = T @ (scan.ranges[:, None] * unit)
-        legs: list[tuple[np.ndarray, float, np.ndarray]] = []
-        bodies: list[tuple[np.ndarray, float, np.ndarray]] = []
-        for label in range(num):
-            beams = np.flatnonzero(labels == label)
-            ends = points[beams]
-            width = float(np.hypot(*(ends[-1] - ends[0])))
-            if len(beams) < 3 or width > config.body_width_m:
-                continue
-            away = ends.mean(axis=0) - (T.x, T.y)
-            middle = ends.mean(axis=0) + 0.4 * width * away / np.hypot(*away)
-            (legs if width < config.leg_width_m else bodies).append((middle, width / 2.0, beams))
-        return bodies + _paired(legs, config.step_m)
+        ranges = np.ascontiguousarray(scan.ranges, dtype=np.float64)
+        sensor = _moved(self._base, obstacles.T_base_sensor)
+        beams = scan.angle_min, scan.angle_increment
+        self._labels = np.empty(len(ranges), dtype=np.int64)
+        ends = np.empty((len(ranges), 3), dtype=np.int64)
+        num_things = cluster_beams(
+            ranges, scan.range_min, min(scan.range_max, config.range_m),
+            abs(scan.angle_increment), config.body_width_m, self._labels, ends,
+        )  # fmt: skip
+        shapes = np.empty((num_things, NUM_COLUMNS))
+        self._things = np.empty(num_things, dtype=np.int64)
+        num_shapes = shapes_of(
+            ranges, ends, num_things, *beams, sensor, config.body_width_m,
+            0.8 * config.person_radius_m, shapes, self._things,
+        )  # fmt: skip
+        told = told_of(ranges, ends, self._things, num_shapes, sensor, *self._seen_free.kept())
+        self._seen_free.keep(scan, ranges, sensor)
+        num_candidates = candidates_of(
+            shapes, num_shapes, told, config.leg_width_m, config.step_m, self._candidates
+        )
+        candidates, least = (self._candidates, num_candidates), config.person_radius_m
+        taken = see(*self._tracks, self._num, *candidates, num_shapes, self._since, least)
+        self._num = drop_gone(
+            *self._tracks, self._num, ranges, *beams, sensor, config.confirm_s, config.memory_s
+        )
+        self._num, self._last_number = begin_new(
+            *self._tracks, self._num, *candidates, taken, least, self._last_number
+        )
+        self._last, self._since = scan, 0.0
 
-    def _result(self, num_beams: int) -> Tracks:
-        shown = [t for t in self._tracks if t.age >= self._config.confirm_s]
-        if not shown:
-            return no_tracks(num_beams)
-        T = self._T_odom_base.inverse()
-        mean = np.array([t.mean for t in shown])
-        turn = SE2(0.0, 0.0, T.yaw)
-        c, s = math.cos(T.yaw), math.sin(T.yaw)
-        R = np.kron(np.eye(2), np.array([[c, -s], [s, c]]))
-        beam_track = np.full(num_beams, -1)
-        for n, track in enumerate(shown):
-            if track.unseen == 0.0:
-                beam_track[track.beams] = n
+    def _result(self) -> Tracks:
+        beam_track = np.empty(len(self._labels), dtype=np.int64)
+        shown = report(
+            *self._tracks, self._num, self._base, self._config.confirm_s, self._things,
+            self._labels, self._states, self._state_covs, beam_track,
+        )  # fmt: skip
+        if not len(shown):
+            return no_tracks(len(beam_track))
+        num, info = len(shown), self._tracks[3][shown]
+        state = self._states[:num].copy()
         return Tracks(
-            np.array([t.number for t in shown]), T @ mean[:, :2], turn @ mean[:, 2:],
-            R @ np.array([t.cov for t in shown]) @ R.T, np.array([t.radius for t in shown]),
-            np.array([t.age for t in shown]), np.array([t.unseen for t in shown]),
-            (np.hypot(mean[:, 2], mean[:, 3]) > 0.2).astype(float), beam_track,
+            number=info[:, NUMBER].astype(np.int64), position=state[:, :2], velocity=state[:, 2:],
+            cov=self._state_covs[:num].copy(), radius=info[:, SIZE], age_s=info[:, AGE],
+            unseen_s=info[:, UNSEEN], is_moving=self._tracks[2][shown], beam_track=beam_track,
         )  # fmt: skip
 
 
-def _paired(
-    legs: list[tuple[np.ndarray, float, np.ndarray]], step: float
-) -> list[tuple[np.ndarray, float, np.ndarray]]:
-    """Return legs put together two by two, nearest first; one that is left stays alone."""
-    pairs = sorted(
-        (float(np.hypot(*(a[0] - b[0]))), i, j)
-        for i, a in enumerate(legs) for j, b in enumerate(legs[:i])
-    )  # fmt: skip
-    used: set[int] = set()
-    found = []
-    for distance, i, j in pairs:
-        if distance <= step and i not in used and j not in used:
-            used |= {i, j}
-            a, b = legs[i], legs[j]
-            beams = np.concatenate((a[2], b[2]))
-            found.append((0.5 * (a[0] + b[0]), 0.5 * distance + max(a[1], b[1]), beams))
-    return found + [leg for k, leg in enumerate(legs) if k not in used]
-
-
-def _predict(track: _Track, accel: float, dt: float) -> None:
-    F = np.eye(4)
-    F[0, 2] = F[1, 3] = dt
-    G = np.array([[dt**3 / 3.0, dt**2 / 2.0], [dt**2 / 2.0, dt]]) * accel**2
-    track.mean = F @ track.mean
-    track.cov = F @ track.cov @ F.T + np.kron(G, np.eye(2))
-    track.age += dt
-    track.unseen += dt
-
-
-def _distance2(track: _Track, middle: np.ndarray) -> float:
-    S = track.cov[:2, :2] + _NOISE**2 * np.eye(2)
-    off = middle - track.mean[:2]
-    return float(off @ np.linalg.solve(S, off))
-
-
-def _correct(track: _Track, middle: np.ndarray) -> None:
-    S = track.cov[:2, :2] + _NOISE**2 * np.eye(2)
-    K = track.cov[:, :2] @ np.linalg.inv(S)
-    track.mean = track.mean + K @ (middle - track.mean[:2])
-    track.cov = track.cov - K @ track.cov[:2]
+def _moved(pose: np.ndarray, by: SE2) -> np.ndarray:
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    return np.array(
+        [pose[0] + c * by.x - s * by.y, pose[1] + s * by.x + c * by.y, pose[2] + by.yaw]
+    )

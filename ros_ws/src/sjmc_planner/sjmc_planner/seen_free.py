@@ -1,0 +1,149 @@
+"""Where earlier scans saw free space: what stands there now has moved.
+
+A wall that slides into view, the corner of a cupboard, a piece of wall seen through a door: as the
+robot drives, the middles of such things move over the ground though they do not. But they never
+stand where a beam has passed a moment ago. So each scan is kept for a second, with the pose it was
+taken from, and an end of the newest scan is held against those: it counts as free if any of them
+saw beyond it along its bearing, and as known if one saw something right there.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+
+from floornav_common.scan import Scan
+
+_NUM_KEPT = 5
+_APART_S = 0.18
+_SLACK_RAD = 0.012  # errors of bearing
+_MARGIN = 0.10  # errors of range and of odometry, m
+_MARGIN_SHARE = 0.015  # of the range
+_POINTS = 9  # along a thing
+_NEWEST_S = 0.15  # what is newer shows no motion yet
+
+
+class SeenFree:
+    """The scans of the last second.
+
+    Attributes:
+        free: How far each beam of each was free, and so were those beside it, shape (K, N), m.
+        poses: x, y, yaw of the sensor, shape (K, 3).
+        ages: Since each was taken, shape (K,), s; inf for none.
+        beams: `angle_min` and `angle_increment` of all of them.
+    """
+
+    def __init__(self) -> None:
+        self.free = np.zeros((_NUM_KEPT, 0))
+        self.poses = np.zeros((_NUM_KEPT, 3))
+        self.ages = np.full(_NUM_KEPT, np.inf)
+        self.beams = (0.0, 1.0)
+
+    def age(self, dt: float) -> None:
+        """Let time pass."""
+        self.ages += dt
+
+    def keep(self, scan: Scan, ranges: np.ndarray, sensor: np.ndarray) -> None:
+        """Keep a scan unless one was kept a moment ago.
+
+        Args:
+            scan: The scan.
+            ranges: Of it, as float64.
+            sensor: x, y, yaw of the sensor in the frame that all poses are in.
+        """
+        if len(ranges) != self.free.shape[1] or self.beams != (
+            scan.angle_min,
+            scan.angle_increment,
+        ):
+            self.free = np.zeros((_NUM_KEPT, len(ranges)))
+            self.ages = np.full(_NUM_KEPT, np.inf)
+            self.beams = (scan.angle_min, scan.angle_increment)
+        if self.ages.min() < _APART_S - 1e-9:
+            return
+        oldest = int(np.argmax(self.ages))
+        reach = math.ceil(_SLACK_RAD / abs(scan.angle_increment))
+        _free_ranges(ranges, scan.range_min, scan.range_max, reach, self.free[oldest])
+        self.poses[oldest], self.ages[oldest] = sensor, 0.0
+
+    def kept(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float, float]:
+        """Return what `told_of` takes."""
+        return self.free, self.poses, self.ages, *self.beams
+
+
+@numba.njit(cache=True, nogil=True)
+def _free_ranges(ranges, range_min, range_max, reach, free):  # type: ignore[no-untyped-def]
+    """Write the least of each beam's range and those beside it; 0 where one was not measured."""
+    num = len(ranges)
+    own = np.empty(num)
+    for i in range(num):
+        r = ranges[i]
+        own[i] = min(r, range_max) if r >= range_min else 0.0
+    for i in range(num):
+        least = own[i]
+        for k in range(max(i - reach, 0), min(i + reach, num - 1) + 1):
+            least = min(least, own[k])
+        free[i] = least
+
+
+@numba.njit(cache=True, nogil=True)
+def told_of(  # type: ignore[no-untyped-def]
+    ranges, ends, things, num_things, sensor, free, poses, ages, angle_min, increment
+):
+    """Return which shares of things' ends stand where it was free and where something was, (M, 2).
+
+    Args:
+        ranges: Of the newest scan, shape (N,), m.
+        ends: First and last beam of each thing, as from `cluster_beams`.
+        things: Which of them to look at, shape (M,).
+        num_things: How many those are.
+        sensor: x, y, yaw of the sensor now.
+        free: As in `SeenFree`, as the next ones.
+        poses: See there.
+        ages: See there.
+        angle_min: Bearing of the first beam, rad.
+        increment: From beam to beam, rad.
+    """
+    told = np.zeros((num_things, 2))
+    if free.shape[1] == len(ranges):
+        for n in range(num_things):
+            first, last = ends[things[n], 0], ends[things[n], 1]
+            told[n] = _shares(ranges, first, last, sensor, free, poses, ages, angle_min, increment)
+    return told
+
+
+@numba.njit(cache=True, nogil=True)
+def _shares(  # type: ignore[no-untyped-def]
+    ranges, first, last, sensor, free, poses, ages, angle_min, increment
+):
+    num = len(ranges)
+    spread = (last - first) % num
+    num_points = min(spread + 1, _POINTS)
+    num_free, num_known, count = 0, 0, 0
+    for n in range(num_points):
+        i = (first + (n * spread) // max(num_points - 1, 1)) % num
+        r = ranges[i]
+        if not (r > 0.0 and np.isfinite(r)):
+            continue
+        count += 1
+        bearing = sensor[2] + angle_min + increment * i
+        x, y = sensor[0] + r * np.cos(bearing), sensor[1] + r * np.sin(bearing)
+        is_free, is_known = False, False
+        for k in range(len(ages)):
+            if ages[k] < _NEWEST_S or ages[k] > 2.0:
+                continue
+            dx, dy = x - poses[k, 0], y - poses[k, 1]
+            off = np.arctan2(dy, dx) - poses[k, 2] - angle_min
+            off = off % (2.0 * np.pi) if increment > 0.0 else -((-off) % (2.0 * np.pi))
+            beam = int(np.rint(off / increment))
+            if beam >= num:
+                continue
+            there, margin = np.hypot(dx, dy), _MARGIN + _MARGIN_SHARE * r
+            if free[k, beam] > there + margin:
+                is_free = True
+            elif free[k, beam] > there - margin:
+                is_known = True
+        num_free += is_free
+        num_known += is_known and not is_free
+    return num_free / max(count, 1), num_known / max(count, 1)

@@ -1,0 +1,147 @@
+"""One scan into the tracks: time, assignment, correction, who is gone and who is new."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from sjmc_planner.track_assignment import (
+    CX,
+    CY,
+    FIRST,
+    FREE,
+    KNOWN,
+    RADIUS,
+    SD,
+    SECOND,
+    assign,
+    is_left,
+    take,
+)
+from sjmc_planner.track_filter import correct, mix, predict, start
+
+NUMBER, SIZE, AGE, UNSEEN, HITS, SHAPE_A, SHAPE_B = range(7)
+NUM_INFO = 7
+_STARTS_WALKING = 0.3  # how probable that is of somebody new
+_IS_FREE, _IS_PARTLY_FREE, _IS_KNOWN = 0.5, 0.2, 0.6  # shares of its ends
+_TOLD_FREE, _TOLD_PARTLY, _TOLD_KNOWN = 1.2, 0.5, -0.8  # log odds in a tenth of a second
+_NEW_UNSEEN_S = 0.25  # somebody new who is not seen for so long was nobody
+_THROUGH_S = 0.35  # nor is somebody there whose place is seen through for so long
+_ACROSS, _BEHIND = 0.2, 0.3  # what has to be free for that, m
+_SIZE_TAKEN = 0.3  # of a new width into the old one
+
+
+@numba.njit(cache=True, nogil=True)
+def age_tracks(means, covs, p_walks, info, num, accel, dt):  # type: ignore[no-untyped-def]
+    """Let time pass for all tracks."""
+    for t in range(num):
+        p_walks[t] = predict(means[t], covs[t], p_walks[t], accel, dt)
+        info[t, AGE] += dt
+        info[t, UNSEEN] += dt
+
+
+@numba.njit(cache=True, nogil=True)
+def see(  # type: ignore[no-untyped-def]
+    means, covs, p_walks, info, num, candidates, num_candidates, num_shapes, since, least_radius
+):
+    """Take what a scan shows into the tracks that it fits; return which shapes are taken, (N,).
+
+    Args:
+        means: Of the tracks, shape (T, 2, 4).
+        covs: Of the tracks, shape (T, 2, 4, 4).
+        p_walks: Of the tracks, shape (T,).
+        info: Columns as above, shape (T, NUM_INFO).
+        num: How many tracks.
+        candidates: From `candidates_of`.
+        num_candidates: How many.
+        num_shapes: How many shapes they are made of.
+        since: Time since the last scan, s.
+        least_radius: Of anybody, m.
+    """
+    taken = np.zeros(num_shapes, dtype=np.bool_)
+    chosen = np.empty(num, dtype=np.int64)
+    assign(candidates, num_candidates, means, covs, p_walks, num, taken, chosen)
+    for t in range(num):
+        info[t, SHAPE_A] = info[t, SHAPE_B] = -1.0
+        if chosen[t] < 0:
+            continue
+        c = candidates[chosen[t]]
+        told = _told(c[FREE], c[KNOWN]) * min(10.0 * since, 2.0)
+        is_free = c[FREE] >= _IS_PARTLY_FREE
+        p_walks[t] = correct(means[t], covs[t], p_walks[t], c[CX], c[CY], c[SD] ** 2, told, is_free)
+        info[t, UNSEEN] = 0.0
+        info[t, HITS] += 1.0
+        info[t, SHAPE_A], info[t, SHAPE_B] = c[FIRST], c[SECOND]
+        size = max(c[RADIUS], least_radius)
+        info[t, SIZE] = max((1.0 - _SIZE_TAKEN) * info[t, SIZE] + _SIZE_TAKEN * size, least_radius)
+    return taken
+
+
+@numba.njit(cache=True, nogil=True)
+def _told(free, known):  # type: ignore[no-untyped-def]
+    """Return what the space that something stands in tells of its moving: log odds."""
+    if free >= _IS_FREE:
+        return _TOLD_FREE
+    if free >= _IS_PARTLY_FREE:
+        return _TOLD_PARTLY
+    return _TOLD_KNOWN if known >= _IS_KNOWN else 0.0
+
+
+@numba.njit(cache=True, nogil=True)
+def drop_gone(  # type: ignore[no-untyped-def]
+    means, covs, p_walks, info, num, ranges, angle_min, increment, sensor, confirm, memory
+):
+    """Take out, in place, who has not been seen for too long; return how many are left."""
+    left = 0
+    for t in range(num):
+        unseen = info[t, UNSEEN]
+        allowed = memory if info[t, AGE] - unseen >= confirm else min(_NEW_UNSEEN_S, memory)
+        if unseen > _THROUGH_S:
+            x, y = mix(means[t], covs[t], p_walks[t])[0][:2]
+            if _is_seen_through(x, y, ranges, angle_min, increment, sensor):
+                allowed = min(allowed, _THROUGH_S)
+        if unseen > allowed:
+            continue
+        if left < t:
+            means[left], covs[left] = means[t], covs[t]
+            p_walks[left], info[left] = p_walks[t], info[t]
+        left += 1
+    return left
+
+
+@numba.njit(cache=True, nogil=True)
+def _is_seen_through(x, y, ranges, angle_min, increment, sensor):  # type: ignore[no-untyped-def]
+    """Tell whether the beams past a place all end behind it."""
+    num = len(ranges)
+    dx, dy = x - sensor[0], y - sensor[1]
+    there = np.hypot(dx, dy)
+    off = np.arctan2(dy, dx) - sensor[2] - angle_min
+    off = off % (2.0 * np.pi) if increment > 0.0 else -((-off) % (2.0 * np.pi))
+    beam = int(np.rint(off / increment))
+    if beam >= num:
+        return False
+    reach = int(_ACROSS / max(there, _ACROSS) / abs(increment)) + 1
+    for i in range(max(beam - reach, 0), min(beam + reach, num - 1) + 1):
+        if not ranges[i] > there + _BEHIND:
+            return False
+    return True
+
+
+@numba.njit(cache=True, nogil=True)
+def begin_new(  # type: ignore[no-untyped-def]
+    means, covs, p_walks, info, num, candidates, num_candidates, taken, least_radius, last_number
+):
+    """Begin a track for each candidate that is left; return how many there are, and the number."""
+    for k in range(num_candidates):
+        c = candidates[k]
+        if num == len(means) or not is_left(c, taken):
+            continue
+        take(c, taken)
+        start(means[num], covs[num], c[CX], c[CY], c[SD])
+        p_walks[num] = _STARTS_WALKING
+        last_number += 1
+        info[num] = 0.0
+        info[num, NUMBER], info[num, SIZE] = last_number, max(c[RADIUS], least_radius)
+        info[num, HITS], info[num, SHAPE_A], info[num, SHAPE_B] = 1.0, c[FIRST], c[SECOND]
+        num += 1
+    return num, last_number
