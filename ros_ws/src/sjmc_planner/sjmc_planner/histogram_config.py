@@ -37,8 +37,8 @@ class HistogramConfig:
         0.6, "`vfh_plus`: a sector above this is blocked (tau_high).", gt=0.0
     )
     wide_sectors: int = param(
-        16, "Openings of more sectors than this are wide: it keeps half as many from their sides "
-        "(s_max); `vfh_plus`, `vfh`.", ge=1, le=360,
+        6, "Openings of more sectors than this are wide: it keeps half as many from their sides "
+        "(s_max); `vfh_plus`, `vfh`; 16 was published.", ge=1, le=360,
     )  # fmt: skip
     goal_weight: float = param(5.0, "`vfh_plus`: cost of an angle to the goal (mu_1).", ge=0.0)
     heading_weight: float = param(
