@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from floornav_common.config import param, validate
 from sjmc_planner.histogram_config import HistogramConfig
+from sjmc_planner.sjmc_config import SjmcConfig
+from sjmc_planner.tracking_config import TrackingConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +23,12 @@ class RobotConfig:
         0.085, "Circle around `base_frame` that holds the whole robot (r_robot).", unit="m", gt=0.0
     )
     margin_m: float = param(0.02, "Air to keep beyond that circle.", unit="m", ge=0.0)
+    front_m: float = param(
+        0.0, "How far the robot reaches ahead of `base_frame`, for methods that know its box "
+        "(`sjmc`); 0 with `rear_m` and `half_width_m` = the circle.", unit="m", ge=0.0,
+    )  # fmt: skip
+    rear_m: float = param(0.0, "How far it reaches behind.", unit="m", ge=0.0)
+    half_width_m: float = param(0.0, "How far it reaches to either side.", unit="m", ge=0.0)
     speed_m_s: float = param(0.4, "Travel speed (v_c).", unit="m/s", gt=0.0)
     accel_m_s2: float = param(0.3, "Acceleration and braking limit (alpha).", unit="m/s^2", gt=0.0)
     yaw_rate_rad_s: float = param(1.2, "Fastest turn (differential).", unit="rad/s", gt=0.0)
@@ -30,6 +39,14 @@ class RobotConfig:
 
     def __post_init__(self) -> None:
         validate(self)
+        farthest = math.hypot(max(self.front_m, self.rear_m), self.half_width_m)
+        if farthest > self.radius_m + 1e-6:
+            raise ValueError(
+                f"radius_m must hold the box, whose corners are {farthest:.3f} m from the base, "
+                f"got {self.radius_m}"
+            )
+        if max(self.front_m, self.rear_m) > 0.0 and self.half_width_m == 0.0:
+            raise ValueError("half_width_m must be > 0 where front_m or rear_m is, got 0")
 
     @property
     def grown_radius(self) -> float:
@@ -86,7 +103,7 @@ class LocalPlannerConfig:
 
     method: str = param(
         "omni_velocity", "How to avoid obstacles.",
-        choices=("omni_velocity", "omni_static", "vfh_plus"),
+        choices=("omni_velocity", "omni_static", "sjmc_published", "vfh_plus"),
     )  # fmt: skip
     goal_source: str = param(
         "path", "`path`: follow the topic `path`; `goal_pose`: go straight for the topic "
@@ -115,6 +132,8 @@ class LocalPlannerConfig:
     robot: RobotConfig = RobotConfig()
     omni: OmniConfig = OmniConfig()
     histogram: HistogramConfig = HistogramConfig()
+    sjmc: SjmcConfig = SjmcConfig()
+    tracking: TrackingConfig = TrackingConfig()
 
     def __post_init__(self) -> None:
         validate(self)

@@ -17,6 +17,7 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 
 DRIVING, BRAKING, BLOCKED, REACHED = "driving", "braking", "blocked", "reached"
+TURNING, WAITING, BACKING = "turning", "waiting", "backing"
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,8 @@ class Decision:
 
     Attributes:
         command: Velocity to send.
-        state: `DRIVING`, `BRAKING`, `BLOCKED` or `REACHED`.
+        state: `DRIVING`, `BRAKING`, `BLOCKED` or `REACHED`; of `sjmc` too: `TURNING` off the
+            target's course, `WAITING` for a person, `BACKING` before one.
         reason: Why, in words for the user; "" while driving as wanted.
         debug: For pictures; None if it was not asked for.
     """

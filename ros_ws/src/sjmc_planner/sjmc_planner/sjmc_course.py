@@ -1,0 +1,39 @@
+"""Which course SJMC takes (thesis, 3.7): nearest the target's, without an obstacle in Danger."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def courses(target: float, step: float, widest: float) -> np.ndarray:
+    """Return the courses that are weighed, nearest to the target's first, in (-pi, pi].
+
+    Args:
+        target: Bearing of the target, rad.
+        step: Between two courses, rad.
+        widest: The farthest from the target's, rad.
+
+    Returns:
+        Shape (2 K + 1,), rad: the target's, then one to the left and one to the right by turns.
+    """
+    off = step * np.arange(1, int(widest / step + 1e-9) + 1)
+    around = target + np.concatenate(([0.0], np.column_stack((off, -off)).ravel()))
+    return np.asarray(np.pi - np.remainder(np.pi - around, 2.0 * np.pi))
+
+
+def nearest_open(free: np.ndarray, danger: float, side: int = 0) -> int:
+    """Return the first course without an obstacle in the Danger Zone; -1 if there is none.
+
+    Args:
+        free: How far each of `courses` is free, shape (2 K + 1,), m.
+        danger: L_DANGER, m.
+        side: 1 takes the left one of two that are as far off, -1 the right one, 0 the freer one.
+    """
+    open_ = np.flatnonzero(free > danger)
+    if len(open_) == 0:
+        return -1
+    first = int(open_[0])
+    if first == 0 or first % 2 == 0 or free[first + 1] <= danger:
+        return first
+    is_left = side > 0 or (side == 0 and free[first] >= free[first + 1])
+    return first if is_left else first + 1
