@@ -7,6 +7,7 @@ from collections.abc import Callable
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.omni_velocity import Cycle, OmniStatic, OmniVelocity
 from sjmc_planner.planning import Method
+from sjmc_planner.sjmc import Sjmc
 from sjmc_planner.sjmc_published import SjmcPublished
 from sjmc_planner.vfh_plus import VfhPlus
 
@@ -27,6 +28,7 @@ def _cycle(config: LocalPlannerConfig) -> Cycle:
 METHODS: dict[str, Callable[[LocalPlannerConfig], Method]] = {
     "omni_velocity": lambda c: OmniVelocity(c.robot, c.omni, _cycle(c)),
     "omni_static": lambda c: OmniStatic(c.robot, c.omni, _cycle(c)),
+    "sjmc": lambda c: Sjmc(c.robot, c.sjmc, c.tracking, _cycle(c)),
     "sjmc_published": lambda c: SjmcPublished(c.robot, c.sjmc, _cycle(c)),
     "vfh_plus": lambda c: VfhPlus(c.robot, c.histogram, _cycle(c)),
 }

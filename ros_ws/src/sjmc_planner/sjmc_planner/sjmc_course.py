@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+_OTHER_SIDE = 0.5  # rad: what a change of sides costs
+
 
 def courses(target: float, step: float, widest: float) -> np.ndarray:
     """Return the courses that are weighed, nearest to the target's first, in (-pi, pi].
@@ -37,3 +39,24 @@ def nearest_open(free: np.ndarray, danger: float, side: int = 0) -> int:
         return first
     is_left = side > 0 or (side == 0 and free[first] >= free[first + 1])
     return first if is_left else first + 1
+
+
+def preferred(bearings: np.ndarray, target: float, free: np.ndarray, side: int) -> np.ndarray:
+    """Return the order in which `courses` are tried: nearest the target's, with a side kept.
+
+    Args:
+        bearings: Of `courses`, shape (2 K + 1,), rad.
+        target: Bearing of the target, rad.
+        free: How far each is free, shape (2 K + 1,), m.
+        side: The side taken before, 1 for left, -1 for right; 0 for none.
+
+    Returns:
+        Indices, shape (2 K + 1,). Of two as far off the freer one is first.
+    """
+    num = len(bearings)
+    rank = (np.arange(num) + 1) // 2
+    sides = np.where(np.arange(num) % 2 == 1, 1, -1)
+    sides[0] = side
+    step = abs(np.remainder(bearings[1] - target + np.pi, 2.0 * np.pi) - np.pi) if num > 1 else 1.0
+    cost = rank + (sides != side) * (abs(side) * _OTHER_SIDE / step)
+    return np.lexsort((-free, np.round(cost, 6)))

@@ -10,9 +10,12 @@ from __future__ import annotations
 
 import math
 
+import numba
+
 _STILL = 1e-6
 
 
+@numba.njit(cache=True, nogil=True)
 def avoid_time(way_out: float, speed_out: float) -> float:
     """Return t_avoid, how long an obstacle takes to leave D (eq. 3.4); inf if it does not.
 
@@ -25,6 +28,7 @@ def avoid_time(way_out: float, speed_out: float) -> float:
     return way_out / speed_out if speed_out > _STILL else math.inf
 
 
+@numba.njit(cache=True, nogil=True)
 def aware_time(distance: float, caution: float, aware: float) -> float:
     """Return t_aware, which shrinks as the distance does (asked for in 6.1.1).
 
@@ -36,6 +40,7 @@ def aware_time(distance: float, caution: float, aware: float) -> float:
     return aware * min(max(distance / caution, 0.0), 1.0)
 
 
+@numba.njit(cache=True, nogil=True)
 def stable_bound(
     distance: float, danger: float, closing: float, t_aware: float, t_avoid: float
 ) -> float:
@@ -57,6 +62,7 @@ def stable_bound(
     return max((room - closing * t_avoid) / time, 0.0)
 
 
+@numba.njit(cache=True, nogil=True)
 def unstable_bound(distance: float, danger: float, closing: float, t_avoid: float) -> float:
     """Return the greatest speed towards who moves in D (eq. 3.7), m/s; see `stable_bound`."""
     room = distance - danger
@@ -67,6 +73,7 @@ def unstable_bound(distance: float, danger: float, closing: float, t_avoid: floa
     return max(room / t_avoid - closing, 0.0)
 
 
+@numba.njit(cache=True, nogil=True)
 def simple_bound(distance: float, danger: float, response: float) -> float:
     """Return the speed that the thesis ran (eq. 4.5), m/s.
 

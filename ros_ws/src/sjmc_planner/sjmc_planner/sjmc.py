@@ -1,0 +1,260 @@
+"""SJMC with people told apart: who is in the way, where they go, and whether they make room.
+
+The order is the thesis's (Fig. 3.3): is the target reached, may the course to it be kept, must an
+obstacle be avoided. What the thesis had to leave out is measured by tracks of people: v_ox, v_oy
+and t_avoid of eq. 3.5 and 3.7, per person. Beyond it:
+- t_aware shrinks with the distance, and a person counts as not yielding once standing in the way
+  where eq. 3.5 leaves no speed to speak of; things (wide and standing) are never waited for;
+- who walks through D is waited for, also inside L_DANGER, as long as the robot can still stop; a
+  time-out ends waiting for one person;
+- a course is only driven at a speed from which braking keeps clear of things, and of people as they
+  are foreseen; of two sides the one taken first is kept until the target's course is open again;
+- who would come too near even if the robot stopped is met by backing on the own way, or by turning
+  away while there is time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sjmc_planner.config import RobotConfig
+from sjmc_planner.limited_motion import stopping_speed
+from sjmc_planner.omni_velocity import Cycle
+from sjmc_planner.planning import (
+    BACKING,
+    BLOCKED,
+    BRAKING,
+    DRIVING,
+    REACHED,
+    STILL,
+    TURNING,
+    WAITING,
+    Debug,
+    Decision,
+    Goal,
+    Obstacles,
+    RobotState,
+    Velocity,
+)
+from sjmc_planner.sjmc_config import SjmcConfig
+from sjmc_planner.sjmc_course import courses, preferred
+from sjmc_planner.sjmc_people import InTheWay, Patience, people_in_the_way
+from sjmc_planner.sjmc_region import box_of, free_ways
+from sjmc_planner.sjmc_rollout import Foreseen, Foresight
+from sjmc_planner.sjmc_room import make_room
+from sjmc_planner.sjmc_scene import Scene, SceneReader
+from sjmc_planner.tracking_config import TrackingConfig
+from sjmc_planner.unicycle_motion import Unicycle
+
+_WIDEST = math.radians(120.0)
+_SHARES = (1.0, 0.75, 0.5, 0.3, 0.15)  # of a course's speed, tried in turn
+_LOOKS = (1.0, 0.5, 0.25)  # of look_m
+_MOST = 24  # courses looked along with each
+_SLOW, _HELD = 0.03, 0.1  # m/s
+_KEEP_GAP = 0.01  # nearer than asked for already: no nearer than this, m
+_CREEP = 0.2
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """All that one decision goes by."""
+
+    state: RobotState
+    goal: Goal
+    scene: Scene
+    is_judged: np.ndarray
+    bearings: np.ndarray
+    free: np.ndarray
+    fastest: float
+
+
+class Sjmc:
+    """The method, for holonomic and differential robots.
+
+    Args:
+        robot: What the robot is.
+        config: Settings of the method.
+        tracking: Settings of the tracker.
+        cycle: Rhythm of the runner.
+    """
+
+    def __init__(
+        self, robot: RobotConfig, config: SjmcConfig, tracking: TrackingConfig, cycle: Cycle
+    ) -> None:
+        self._robot, self._config, self._cycle = robot, config, cycle
+        self._box = box_of(robot)
+        self._half = self._box.half_width + robot.margin_m
+        self._delay = robot.idle_time_s + cycle.period
+        self._scenes = SceneReader(tracking, config.person_width_m, cycle.unseen_gap, cycle.period)
+        self._foresight = Foresight(robot, self._box, self._delay, config.horizon_s)
+        self._patience = Patience(config, cycle.period)
+        self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
+        self._side = 0
+        self._behind = 0.0
+
+    def decide(
+        self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
+    ) -> Decision:
+        """Return the command for now (Fig. 3.3)."""
+        scene = self._scenes.read(state, obstacles)
+        self._note_way(state)
+        if goal.distance <= self._cycle.goal_tolerance:  # end
+            return Decision(STILL, REACHED)
+        is_judged = self._patience.begin(scene)
+        moment = self._moment(state, goal, scene, is_judged)
+        ahead = self._in_the_way(goal.bearing, moment)
+        if ahead.is_stable and self._is_not_yielding(ahead):
+            self._patience.judge(int(scene.number[ahead.who]))
+            is_judged[ahead.who] = True
+            moment = self._moment(state, goal, scene, is_judged)
+        decision = self._on_course(moment) or self._around(moment) or self._stuck(moment)
+        return self._with_debug(decision, moment) if has_debug else decision
+
+    def _is_not_yielding(self, ahead: InTheWay) -> bool:
+        config = self._config
+        return ahead.distance <= config.danger_m or ahead.bound <= config.end_m_s
+
+    def _moment(
+        self, state: RobotState, goal: Goal, scene: Scene, is_judged: np.ndarray
+    ) -> _Moment:
+        """Return what is known, with how far each course is free of what does not yield."""
+        config, robot = self._config, self._robot
+        bearings = courses(goal.bearing, config.course_step_rad, _WIDEST)
+        is_solid = is_judged & ~scene.is_moving
+        points = np.concatenate((scene.things, scene.people[is_solid, :2]))
+        radii = np.zeros(len(points))
+        radii[len(scene.things) :] = scene.people[is_solid, 4] + config.clearance_m
+        free = free_ways(bearings, points, radii, self._box.front, self._half)
+        free[free + self._box.front > self._reach(goal)] = np.inf
+        free[scene.ends.unseen(bearings, robot.radius_m, 2.0 * robot.radius_m)] = 0.0
+        fastest = min(robot.speed_m_s, stopping_speed(goal.distance, robot.accel_m_s2, self._delay))
+        return _Moment(state, goal, scene, is_judged, bearings, free, fastest)
+
+    def _reach(self, goal: Goal) -> float:
+        """Return how far things count: D ends at the target, or where the robot can stop."""
+        robot = self._robot
+        stop = robot.speed_m_s * (self._delay + robot.speed_m_s / (2.0 * robot.accel_m_s2))
+        target = float(np.hypot(*goal.point)) + robot.margin_m + self._box.front
+        return max(target, min(goal.distance, stop) + self._box.front)
+
+    def _on_course(self, moment: _Moment) -> Decision | None:
+        """Return the straight run, waiting included; None if something stands in its way."""
+        if moment.free[0] < self._config.look_m:
+            return None
+        course, ahead = moment.goal.bearing, self._in_the_way(moment.goal.bearing, moment)
+        speed, seen = self._safe_speed(course, ahead.bound, moment)
+        if speed > _SLOW:
+            if moment.free[0] == math.inf:
+                self._side = 0
+            is_slowed = speed < 0.9 * moment.fastest and len(moment.scene.people) > 0
+            if speed < _HELD and self._has_waited(ahead, moment)[1]:
+                return None
+            reason = "slower for a person" if is_slowed else ""
+            return Decision(self._command(course, speed), DRIVING, reason)
+        if not self._is_clear(seen, moment):
+            room = make_room(moment.state, moment.scene, self._foresight, seen, self._behind,
+                             self._robot, self._config)  # fmt: skip
+            if room is not None:
+                command, course = room
+                if command < 0.0:
+                    return Decision(Velocity(command, 0.0, 0.0), BACKING, "makes room for a person")
+                return Decision(self._command(course, command), TURNING, "out of a person's way")
+        if len(moment.scene.people) == 0:
+            return None
+        waited, is_out = self._has_waited(ahead, moment)
+        if is_out:
+            return None
+        return Decision(STILL, WAITING, f"waiting for a person, {waited:.1f} s")
+
+    def _around(self, moment: _Moment) -> Decision | None:
+        """Return the turning run; None if no course is open."""
+        order = preferred(moment.bearings, moment.goal.bearing, moment.free, self._side)
+        for look in _LOOKS:
+            far = min(look * self._config.look_m, self._reach(moment.goal))
+            for k in order[moment.free[order] >= far][:_MOST]:
+                course = float(moment.bearings[k])
+                if k != 0 and self._stands_near(course, moment):
+                    continue
+                bound = self._in_the_way(course, moment).bound
+                stop = stopping_speed(moment.free[k], self._robot.accel_m_s2, self._delay)
+                speed, _ = self._safe_speed(course, min(bound, stop), moment)
+                if speed > _SLOW:
+                    self._side = 0 if k == 0 else 1 if k % 2 == 1 else -1
+                    has_person = bool(moment.is_judged.any())
+                    reason = (
+                        "around a person who does not yield" if has_person else "around a thing"
+                    )
+                    return Decision(self._command(course, speed), TURNING, reason)
+        return None
+
+    def _stuck(self, moment: _Moment) -> Decision:
+        """Return what is left: creep on where that is safe, or stand."""
+        speed, _ = self._safe_speed(moment.goal.bearing, _CREEP, moment)
+        reason = "no course is open"
+        if speed > _SLOW:
+            return Decision(self._command(moment.goal.bearing, speed), BLOCKED, reason)
+        is_still = moment.state.velocity.speed < _SLOW
+        return Decision(STILL, BLOCKED if is_still else BRAKING, reason)
+
+    def _in_the_way(self, course: float, moment: _Moment) -> InTheWay:
+        args = moment.scene, moment.is_judged, self._box.front, self._half
+        return people_in_the_way(course, *args, self._config)
+
+    def _stands_near(self, course: float, moment: _Moment) -> bool:
+        """Tell whether somebody stands in a course's Danger Zone (3.7)."""
+        ahead = self._in_the_way(course, moment)
+        return ahead.who >= 0 and ahead.is_stable and ahead.distance <= self._config.danger_m
+
+    def _safe_speed(self, course: float, bound: float, moment: _Moment) -> tuple[float, Foreseen]:
+        """Return the most speed from which braking keeps clear, and what is foreseen at it."""
+        most = min(bound, moment.fastest)
+        scene, now = moment.scene, moment.state.velocity
+        for share in _SHARES if most > _SLOW else ():
+            seen = self._foresight.look(
+                now, course, share * most, self._cycle.period, scene.things, scene.people
+            )
+            if self._is_clear(seen, moment):
+                return share * most, seen
+        return 0.0, self._foresight.look(now, course, 0.0, 0.0, scene.things, scene.people)
+
+    def _is_clear(self, seen: Foreseen, moment: _Moment) -> bool:
+        """Tell whether a look ahead keeps its distances, or at least what there is of them."""
+        now = self._foresight.gaps(moment.scene.things, moment.scene.people)
+        thing = min(self._robot.margin_m, now.thing_gap - _KEEP_GAP)
+        person = min(self._config.clearance_m, now.people_gap - _KEEP_GAP)
+        return seen.thing_gap >= thing and seen.people_gap >= person
+
+    def _has_waited(self, ahead: InTheWay, moment: _Moment) -> tuple[float, bool]:
+        """Wait for the person ahead, or the nearest; return for how long, and if that is it."""
+        people = moment.scene.people
+        who = ahead.who if ahead.who >= 0 else int(np.argmin(np.hypot(people[:, 0], people[:, 1])))
+        number = int(moment.scene.number[who])
+        waited = self._patience.wait(number)
+        if self._patience.is_out(waited):
+            self._patience.judge(number)
+        return waited, self._patience.is_out(waited)
+
+    def _command(self, course: float, speed: float) -> Velocity:
+        if self._unicycle is not None:
+            return self._unicycle.command(course, speed)
+        return Velocity(speed * math.cos(course), speed * math.sin(course), 0.0)
+
+    def _note_way(self, state: RobotState) -> None:
+        """Keep how far the robot may back on the way that it came."""
+        came = self._behind + state.moved.x - 2.0 * abs(state.moved.yaw) * self._config.backs_off_m
+        self._behind = min(max(came, 0.0), self._config.backs_off_m)
+
+    def _with_debug(self, decision: Decision, moment: _Moment) -> Decision:
+        lengths = np.minimum(moment.free, self._config.look_m)
+        units = np.column_stack((np.cos(moment.bearings), np.sin(moment.bearings)))
+        ways = [np.array([[0.0, 0.0], a * u]) for a, u in zip(lengths, units, strict=True)]
+        command = decision.command
+        course = math.atan2(command.y, command.x) if command.speed > _SLOW else 0.0
+        off = np.abs(np.remainder(moment.bearings - course + np.pi, 2.0 * np.pi) - np.pi)
+        region = self._box.grown(self._robot.margin_m).corners()
+        times = moment.free / self._robot.speed_m_s
+        debug = Debug(region, ways, times, int(np.argmin(off)))
+        return Decision(command, decision.state, decision.reason, debug)

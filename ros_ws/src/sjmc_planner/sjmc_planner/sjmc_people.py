@@ -1,0 +1,127 @@
+"""How each person in the way is taken: moving or standing, waited for or judged not to yield.
+
+D here is the strip that the robot's box drives through along a course. Who stands in it, or does
+not leave it by going on, is Stable, others in it are Unstable (thesis, 3.6.1).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from sjmc_planner.sjmc_config import SjmcConfig
+from sjmc_planner.sjmc_scene import Scene
+from sjmc_planner.sjmc_speed import aware_time, avoid_time, stable_bound, unstable_bound
+
+# numba keeps these kernels by this file's date alone: see `unicycle_motion`.
+_LEAVES_S = 4.0  # who takes longer to leave D does not leave it
+_YIELDS = 0.3  # m/s: who was judged and goes this fast is given another chance
+_RESTS_S = 1.0  # without being in the way: patience is whole again
+
+
+@dataclass(frozen=True)
+class InTheWay:
+    """The people in D along one course.
+
+    Attributes:
+        bound: What the speed models allow, m/s; inf with nobody in D.
+        who: Row of the person in the scene that sets it; -1 for nobody.
+        distance: From the robot's front to that person, m.
+        is_stable: Whether that person is Stable.
+    """
+
+    bound: float
+    who: int
+    distance: float
+    is_stable: bool
+
+
+def people_in_the_way(
+    course: float, scene: Scene, is_judged: np.ndarray, front: float, half: float, config: SjmcConfig
+) -> InTheWay:  # fmt: skip
+    """Return who sets the speed along a course (eq. 3.5 and 3.7).
+
+    Args:
+        course: Bearing, rad.
+        scene: Surroundings.
+        is_judged: Who is judged not to yield and so not waited for, shape (N,), bool.
+        front: How far the robot reaches ahead of its base, m.
+        half: Half of the width of D, m.
+        config: Zones and times.
+    """
+    zones = (config.danger_m, config.caution_m, config.aware_s, config.side_speed_m_s)
+    args = course, scene.people, scene.is_moving, is_judged
+    return InTheWay(*_in_the_way(*args, front, half, zones))
+
+
+@numba.njit(cache=True, nogil=True)
+def _in_the_way(course, people, is_moving, is_judged, front, half, zones):  # type: ignore[no-untyped-def]
+    danger, caution, aware, side_speed = zones
+    c, s = math.cos(course), math.sin(course)
+    best, who, at, best_stable = np.inf, -1, np.inf, False
+    for i in range(len(people)):
+        x, y, vx, vy, r = people[i]
+        along, across = c * x + s * y, c * y - s * x
+        edge = half + r
+        distance = along - front - r
+        if abs(across) >= edge or along <= 0.0 or distance > caution:
+            continue
+        closing, outward = -(c * vx + s * vy), c * vy - s * vx
+        way_out = edge - across if outward > 0.0 else edge + across
+        t_avoid = avoid_time(way_out, abs(outward))
+        is_stable = not is_moving[i] or t_avoid > _LEAVES_S
+        if is_judged[i] and is_stable:
+            continue  # stands for a thing
+        if is_stable:
+            t_avoid = (edge - abs(across)) / side_speed
+            t_aware = aware_time(distance, caution, aware)
+            bound = stable_bound(distance, danger, closing, t_aware, t_avoid)
+        else:
+            bound = unstable_bound(distance, danger, closing, t_avoid)
+        if bound < best or (bound == best and distance < at):
+            best, who, at, best_stable = bound, i, distance, is_stable
+    return best, who, at, best_stable
+
+
+class Patience:
+    """Remembers for whom the robot waited, and who is judged not to yield.
+
+    Args:
+        config: How long it waits.
+        period: Time between two calls, s.
+    """
+
+    def __init__(self, config: SjmcConfig, period: float) -> None:
+        self._config, self._period = config, period
+        self._waited: dict[int, float] = {}
+        self._free: dict[int, float] = {}
+        self._judged: set[int] = set()
+
+    def begin(self, scene: Scene) -> np.ndarray:
+        """Return who is judged not to yield, shape (N,), bool, in a new scene."""
+        known = set(scene.number.tolist())
+        speed = np.hypot(scene.people[:, 2], scene.people[:, 3])
+        moving = set(scene.number[speed > _YIELDS].tolist())
+        self._judged = (self._judged & known) - moving
+        for number in list(self._waited):
+            self._free[number] = self._free.get(number, 0.0) + self._period
+            if number not in known or self._free[number] > _RESTS_S:
+                del self._waited[number], self._free[number]
+        return np.array([n in self._judged for n in scene.number.tolist()], dtype=bool)
+
+    def judge(self, number: int) -> None:
+        """Expect no more of a person."""
+        self._judged.add(number)
+
+    def wait(self, number: int) -> float:
+        """Wait for a person one period more; return how long it waited so far, s."""
+        waited = self._waited.get(number, 0.0) + self._period
+        self._waited[number], self._free[number] = waited, 0.0
+        return waited
+
+    def is_out(self, waited: float) -> bool:
+        """Tell whether it waited long enough."""
+        return waited >= self._config.patience_s

@@ -1,0 +1,151 @@
+"""What comes of a command: the robot under its limits, among things that stand and people who walk.
+
+The robot goes on as it is for its idle time, does what is commanded for `hold`, then brakes; people
+go on at the velocity they have. Gaps are from the robot's box.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from sjmc_planner.config import RobotConfig
+from sjmc_planner.planning import Velocity
+from sjmc_planner.sjmc_region import Box
+from sjmc_planner.unicycle_motion import _ahead, _step
+
+# numba keeps these kernels by this file's date alone: see `unicycle_motion`.
+_DT = 0.1
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """What comes of a command.
+
+    Attributes:
+        thing_gap: Least distance to a thing, m; 0 in it.
+        people_gap: Least distance to a person's disk, m; negative in it.
+        people_time: When that is, s.
+    """
+
+    thing_gap: float
+    people_gap: float
+    people_time: float
+
+
+class Foresight:
+    """Looks ahead for one robot.
+
+    Args:
+        robot: What the robot is.
+        box: What it takes up.
+        delay: How long it goes on as it is, s.
+        until: How far ahead to look, s.
+    """
+
+    def __init__(self, robot: RobotConfig, box: Box, delay: float, until: float) -> None:
+        self._limits = (robot.accel_m_s2, robot.yaw_rate_rad_s, robot.yaw_accel_rad_s2)
+        self._box = (box.front, box.rear, box.half_width)
+        self._times = (delay, until)
+        self._is_omni = robot.drive == "omni"
+
+    def look(
+        self, now: Velocity, course: float, speed: float, hold: float, things: np.ndarray,
+        people: np.ndarray,
+    ) -> Foreseen:  # fmt: skip
+        """Return what comes of driving on a course for a while, then braking.
+
+        Args:
+            now: How the robot moves.
+            course: Bearing to drive along, rad.
+            speed: How fast, m/s; negative backs (with course 0).
+            hold: For how long, s.
+            things: What stands, shape (M, 2), m.
+            people: Rows x, y, vx, vy, radius, shape (N, 5).
+        """
+        delay, until = self._times
+        state = (0.0, 0.0, 0.0, now.x, now.y if self._is_omni else now.yaw_rate)
+        found = _foresee(
+            state, self._is_omni, course, speed, hold, self._limits, delay, until, self._box,
+            things, people,
+        )  # fmt: skip
+        return Foreseen(*found)
+
+    def gaps(self, things: np.ndarray, people: np.ndarray) -> Foreseen:
+        """Return the distances of now."""
+        here = (0.0, 0.0, 0.0, 0.0, 0.0)
+        return Foreseen(*_gaps(here, self._box, 0.0, things, people, np.inf, np.inf, 0.0))
+
+
+@numba.njit(cache=True, nogil=True)
+def _foresee(state, is_omni, course, speed, hold, limits, delay, until, box, things, people):  # type: ignore[no-untyped-def]
+    least_thing, least_person, at = np.inf, np.inf, 0.0
+    least_thing, least_person, at = _gaps(
+        state, box, 0.0, things, people, least_thing, least_person, at
+    )
+    t = delay
+    state = _drifted(state, is_omni, delay)
+    while True:
+        is_still = abs(state[3]) < 1e-3 and abs(state[4]) < 1e-3
+        if not (is_still and t > delay + hold):
+            least_thing, least_person, at = _gaps(
+                state, box, t, things, people, least_thing, least_person, at
+            )
+        else:
+            least_thing, least_person, at = _gaps(
+                state, box, t, things[:0], people, least_thing, least_person, at
+            )
+        if t >= until:
+            break
+        is_braking = t > delay + hold - 1e-9
+        if is_omni:
+            state = _omni_step(state, course, 0.0 if is_braking else speed, limits[0], _DT)
+        else:
+            state = _step(state, math.nan if is_braking else course, speed, limits, _DT)
+        t += _DT
+    return least_thing, least_person, at
+
+
+@numba.njit(cache=True, nogil=True, inline="always")
+def _drifted(state, is_omni, t):  # type: ignore[no-untyped-def]
+    if is_omni:
+        return state[0] + state[3] * t, state[1] + state[4] * t, state[2], state[3], state[4]
+    return _ahead(state, t)
+
+
+@numba.njit(cache=True, nogil=True)
+def _omni_step(state, course, speed, accel, dt):  # type: ignore[no-untyped-def]
+    x, y, yaw, vx, vy = state
+    dx, dy = speed * math.cos(course) - vx, speed * math.sin(course) - vy
+    length = math.hypot(dx, dy)
+    share = min(1.0, accel * dt / max(length, 1e-12))
+    vx2, vy2 = vx + share * dx, vy + share * dy
+    return x + 0.5 * (vx + vx2) * dt, y + 0.5 * (vy + vy2) * dt, yaw, vx2, vy2
+
+
+@numba.njit(cache=True, nogil=True)
+def _gaps(state, box, t, things, people, least_thing, least_person, at):  # type: ignore[no-untyped-def]
+    c, s = math.cos(state[2]), math.sin(state[2])
+    for i in range(len(things)):
+        gap2 = _gap2(things[i, 0] - state[0], things[i, 1] - state[1], c, s, box)
+        if gap2 < least_thing * least_thing:
+            least_thing = math.sqrt(gap2)
+    for i in range(len(people)):
+        x = people[i, 0] + t * people[i, 2] - state[0]
+        y = people[i, 1] + t * people[i, 3] - state[1]
+        gap = math.sqrt(_gap2(x, y, c, s, box)) - people[i, 4]
+        if gap < least_person:
+            least_person, at = gap, t
+    return least_thing, least_person, at
+
+
+@numba.njit(cache=True, nogil=True, inline="always")
+def _gap2(dx, dy, c, s, box):  # type: ignore[no-untyped-def]
+    """Return the squared distance of a point from the box; 0 in it."""
+    x, y = c * dx + s * dy, c * dy - s * dx
+    ahead = max(x - box[0], -box[1] - x, 0.0)
+    aside = max(abs(y) - box[2], 0.0)
+    return ahead * ahead + aside * aside

@@ -1,0 +1,60 @@
+"""Making room for who would come too near even if the robot stopped: back, or turn away in time."""
+
+from __future__ import annotations
+
+import math
+
+from sjmc_planner.config import RobotConfig
+from sjmc_planner.planning import RobotState
+from sjmc_planner.sjmc_config import SjmcConfig
+from sjmc_planner.sjmc_rollout import Foreseen, Foresight
+from sjmc_planner.sjmc_scene import Scene
+
+_BACK = (-0.15, -0.3, -0.5)  # m/s
+_AWAY = (20.0, 40.0, 60.0, 80.0, 100.0)  # deg
+_HOLD_S = 1.5
+_GAIN = 0.05  # better than standing by this at least, m
+
+
+def make_room(
+    state: RobotState,
+    scene: Scene,
+    foresight: Foresight,
+    standing: Foreseen,
+    behind: float,
+    robot: RobotConfig,
+    config: SjmcConfig,
+) -> tuple[float, float] | None:
+    """Return the speed and the course that make room; None for standing still.
+
+    Args:
+        state: How the robot moves.
+        scene: Surroundings.
+        foresight: Looks ahead.
+        standing: What comes of braking.
+        behind: How far it may back, m.
+        robot: Its limits.
+        config: Clearances and times.
+    """
+    best, chosen = standing.people_gap + _GAIN, None
+    for speed in _BACK:
+        if behind <= 0.02:
+            break
+        hold = behind / -speed
+        seen = foresight.look(state.velocity, 0.0, speed, hold, scene.things, scene.people)
+        if seen.people_gap > best:
+            best, chosen = seen.people_gap, (speed, 0.0)
+        if best >= config.clearance_m:
+            return chosen
+    if standing.people_time > config.dodge_s:
+        return chosen
+    for angle in _AWAY:
+        for course in (math.radians(angle), -math.radians(angle)):
+            for share in (1.0, 0.5):
+                speed = share * robot.speed_m_s
+                seen = foresight.look(
+                    state.velocity, course, speed, _HOLD_S, scene.things, scene.people
+                )
+                if seen.thing_gap >= robot.margin_m and seen.people_gap > best + _GAIN:
+                    best, chosen = seen.people_gap, (speed, course)
+    return chosen

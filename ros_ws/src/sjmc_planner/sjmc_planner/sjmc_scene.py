@@ -1,0 +1,157 @@
+"""What `sjmc` knows of its surroundings: things that stand, people held apart, and the blind rear.
+
+A track that moves, or is no wider than a person, is a person: a disk with a velocity. All other
+beams end at things. Things are thinned to the nearest in each of some directions of the sensor, and
+those that go out of its view are kept for a while, moved along with the robot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from floornav_common.se2 import SE2
+from sjmc_planner.beam_ends import BeamEnds, BeamReader
+from sjmc_planner.obstacle_state import Tracks
+from sjmc_planner.people_tracker import PeopleTracker
+from sjmc_planner.planning import Obstacles, RobotState
+from sjmc_planner.tracking_config import TrackingConfig
+
+_BINS = 180  # directions of the sensor
+_KEEP_M = 1.2  # around the base: farther off what went out of view is forgotten
+_KEEP_S = 3.0
+_MOVES = 0.5  # probability
+_STANDS = 0.15  # m/s
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Surroundings in the base frame.
+
+    Attributes:
+        ends: Where the beams end.
+        things: What stands, shape (M, 2), m.
+        people: Rows x, y, vx, vy, radius, shape (N, 5).
+        number: Of each person, shape (N,), int.
+        is_moving: Whether each is on its way, shape (N,), bool.
+    """
+
+    ends: BeamEnds
+    things: np.ndarray
+    people: np.ndarray
+    number: np.ndarray
+    is_moving: np.ndarray
+
+
+class SceneReader:
+    """Turns scans into scenes.
+
+    Args:
+        tracking: Settings of the tracker.
+        person_width: What stands and is wider is a thing, m.
+        unseen_gap: See `BeamReader`, rad.
+        period: Time between two calls, s.
+    """
+
+    def __init__(
+        self, tracking: TrackingConfig, person_width: float, unseen_gap: float, period: float
+    ) -> None:
+        self._tracker, self._reader = PeopleTracker(tracking), BeamReader(unseen_gap)
+        self._person_width, self._period = person_width, period
+        self._kept = np.zeros((0, 2))
+        self._age = np.zeros(0)
+        self._last = np.zeros((0, 2))
+
+    def read(self, state: RobotState, obstacles: Obstacles) -> Scene:
+        """Return the scene of now."""
+        tracks = self._tracker.update(obstacles, state.moved, self._period)
+        ends = self._reader.read(obstacles)
+        is_person = self._people(tracks, ends)
+        things = _things(
+            ends.ranges, tracks.beam_track, is_person, ends.angle_min, ends.angle_increment,
+            ends.pose, np.full(_BINS, np.inf),
+        )  # fmt: skip
+        rear = self._remember(state.moved, things, ends)
+        speed = np.hypot(tracks.velocity[:, 0], tracks.velocity[:, 1])
+        moves = (tracks.is_moving > _MOVES) & (speed > _STANDS)
+        rows = np.column_stack((tracks.position, tracks.velocity, tracks.radius))
+        rows[~moves, 2:4] = 0.0
+        return Scene(
+            ends, np.concatenate((things, rear)), rows[is_person], tracks.number[is_person],
+            moves[is_person],
+        )  # fmt: skip
+
+    def _people(self, tracks: Tracks, ends: BeamEnds) -> np.ndarray:
+        widths = _widths(
+            ends.ranges, tracks.beam_track, ends.angle_min, ends.angle_increment, len(tracks)
+        )
+        return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
+
+    def _remember(self, moved: SE2, things: np.ndarray, ends: BeamEnds) -> np.ndarray:
+        """Return what has gone out of view beside and behind the robot."""
+        back = moved.inverse()
+        points = np.concatenate((back @ self._last, back @ self._kept))
+        age = np.concatenate((np.zeros(len(self._last)), self._age + self._period))
+        is_kept = (np.hypot(points[:, 0], points[:, 1]) < _KEEP_M) & (age < _KEEP_S)
+        points, age = points[is_kept], age[is_kept]
+        is_out = _out_of_view(points, ends.ranges, ends.angle_min, ends.angle_increment, ends.pose)
+        self._kept, self._age, self._last = points[is_out], age[is_out], things
+        return self._kept
+
+
+@numba.njit(cache=True, nogil=True)
+def _widths(ranges, beam_track, angle_min, step, num):  # type: ignore[no-untyped-def]
+    """Return how wide each track is in the scan, between its outer beams, shape (num,), m."""
+    first, last = np.full(num, -1), np.full(num, -1)
+    for i in range(len(beam_track)):
+        k = beam_track[i]
+        if k >= 0 and np.isfinite(ranges[i]):
+            if first[k] < 0:
+                first[k] = i
+            last[k] = i
+    widths = np.zeros(num)
+    for k in range(num):
+        if first[k] >= 0:
+            a, b, turn = ranges[first[k]], ranges[last[k]], step * (last[k] - first[k])
+            widths[k] = math.sqrt(max(a * a + b * b - 2.0 * a * b * math.cos(turn), 0.0))
+    return widths
+
+
+@numba.njit(cache=True, nogil=True)
+def _things(ranges, beam_track, is_person, angle_min, step, pose, nearest):  # type: ignore[no-untyped-def]
+    """Return the nearest thing in each direction, in the base frame; `nearest` is scratch."""
+    num_bins, beam = len(nearest), np.full(len(nearest), -1)
+    half = len(ranges) // 2
+    per_bin = max((len(ranges) + num_bins - 1) // num_bins, 1)
+    for i in range(len(ranges)):
+        k = beam_track[i]
+        if not np.isfinite(ranges[i]) or (k >= 0 and is_person[k]):
+            continue
+        b = min(max((i - half) // per_bin + num_bins // 2, 0), num_bins - 1)
+        if ranges[i] < nearest[b]:
+            nearest[b], beam[b] = ranges[i], i
+    points = np.empty((num_bins, 2))
+    count = 0
+    for b in range(num_bins):
+        if beam[b] >= 0:
+            angle = angle_min + step * beam[b]
+            px, py = nearest[b] * math.cos(angle), nearest[b] * math.sin(angle)
+            points[count, 0] = pose[0] + (pose[2] * px - pose[3] * py)
+            points[count, 1] = pose[1] + (pose[3] * px + pose[2] * py)
+            count += 1
+    return points[:count]
+
+
+@numba.njit(cache=True, nogil=True)
+def _out_of_view(points, ranges, angle_min, step, pose):  # type: ignore[no-untyped-def]
+    found = np.zeros(len(points), dtype=np.bool_)
+    for i in range(len(points)):
+        dx, dy = points[i, 0] - pose[0], points[i, 1] - pose[1]
+        angle = math.atan2(dy, dx) - pose[4]
+        beam = ((angle - angle_min) * (1.0 if step > 0.0 else -1.0)) % (2.0 * math.pi)
+        k = int(np.rint(beam / abs(step)))
+        found[i] = k >= len(ranges) or np.isnan(ranges[k])
+    return found
