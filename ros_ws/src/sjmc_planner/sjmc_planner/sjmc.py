@@ -187,7 +187,7 @@ class Sjmc:
                     reason = (
                         "around a person who does not yield" if has_person else "around a thing"
                     )
-                    return Decision(self._command(course, speed), TURNING, reason)
+                    return Decision(self._command(course, speed), TURNING, f"around {what}")
         return None
 
     def _stuck(self, moment: _Moment) -> Decision:

@@ -14,7 +14,7 @@ import numpy as np
 
 from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.sjmc_scene import Scene
-from sjmc_planner.sjmc_speed import aware_time, avoid_time, stable_bound, unstable_bound
+from sjmc_planner.sjmc_speed import avoid_time, aware_time, stable_bound, unstable_bound
 
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _LEAVES_S = 4.0  # who takes longer to leave D does not leave it
@@ -40,7 +40,8 @@ class InTheWay:
 
 
 def people_in_the_way(
-    course: float, scene: Scene, is_judged: np.ndarray, front: float, half: float, config: SjmcConfig
+    course: float, scene: Scene, is_judged: np.ndarray, front: float, half: float,
+    config: SjmcConfig,
 ) -> InTheWay:  # fmt: skip
     """Return who sets the speed along a course (eq. 3.5 and 3.7).
 
