@@ -183,10 +183,7 @@ class Sjmc:
                 speed, _ = self._safe_speed(course, min(bound, stop), moment)
                 if speed > _SLOW:
                     self._side = 0 if k == 0 else 1 if k % 2 == 1 else -1
-                    has_person = bool(moment.is_judged.any())
-                    reason = (
-                        "around a person who does not yield" if has_person else "around a thing"
-                    )
+                    what = "a person who does not yield" if moment.is_judged.any() else "a thing"
                     return Decision(self._command(course, speed), TURNING, f"around {what}")
         return None
 
