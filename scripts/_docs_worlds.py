@@ -67,8 +67,9 @@ SHOWN = (
           "other.", "This mirror sees to 15 degrees above the horizon: goals and the magenta cones "
           "of the teammates.", "mirrors"),
     Shown("stereo_room", "The stereo paper's textured room, 5.12 x 5.12 x 2.56 m, with a front and "
-          "a rear pair of cameras.", "Left and right images differ by the disparity. Places that half a "
-          "turn about the middle takes into each other look alike, but for a few things.", "stereo"),
+          "a rear pair of cameras.", "Left and right images differ by the disparity. Places that "
+          "half a turn about the middle takes into each other look alike, but for a few things.",
+          "stereo"),
     Shown("sjmc_static", "SJMC thesis 5.2.2: a static obstacle in the robot's way.",
           "The laser reaches 4 m: the shaded area ends there.", "drive", 1.0),
     Shown("sjmc_crossing", "SJMC thesis 5.2.3: a person crosses the robot's way and does not heed "

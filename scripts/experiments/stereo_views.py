@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sim_bridge.camera_config import optical_frame
 from sim_bridge.cameras import Cameras
 from sim_bridge.robot_model import load_robot
 from sim_bridge.scene import Scene
@@ -21,7 +22,7 @@ from sim_bridge.still_shapes import StillShapes, solid_pose, upright_pose
 from sim_bridge.world import load_world
 
 WORLD = "stereo_room"
-CLEARANCE_M = 0.45
+CLEARANCE_M, GAP_M = 0.45, 0.03
 PAIR = "front"
 
 
@@ -53,17 +54,21 @@ class _Base:
 
 
 class StereoRoom:
-    """Renders what a robot's front pair sees.
+    """Renders what a robot's pairs of cameras see.
 
     Args:
         seed: Of the sensors' noise.
         name: The world; its first robot has the cameras.
 
     Attributes:
+        world: The world.
+        solids: What stands in it.
+        size_px: Columns and rows of each image.
         baseline_m: From the left camera to the right one.
         focal_px: Of both.
         fov_rad: Of both.
         farthest_m: The room's diagonal; nothing is farther.
+        T_base_left: Pose of each pair's left camera, by name.
     """
 
     def __init__(self, seed: int, name: str = WORLD) -> None:
@@ -71,12 +76,13 @@ class StereoRoom:
         model = load_robot(world.robots[0])
         assert model.config.stereo is not None
         model = replace(model, config=replace(model.config, omni=None))
-        self._world, self.solids = world, solids_of(world)
+        self.world, self.solids = world, solids_of(world)
         stereo = model.config.stereo
         self.baseline_m, self.focal_px = model.baseline(PAIR), stereo.focal_px
         self.fov_rad = stereo.fov_rad
-        self._size = stereo.width_px, stereo.height_px
-        self._T_base_left = model.mounts[f"stereo_{PAIR}_left_optical_frame"]
+        self.size_px = stereo.width_px, stereo.height_px
+        self.T_base_left = {p: model.mounts[optical_frame(p, "left")] for p in stereo.pairs}
+        self._footprint = edge_points(np.array(model.config.footprint_m))
         self._low, self._high = np.array(world.floor.from_m), np.array(world.floor.to_m)
         self.farthest_m = float(np.hypot(*(self._high - self._low)))
         self._base = _Base()
@@ -96,24 +102,46 @@ class StereoRoom:
             if min(gaps) >= CLEARANCE_M:
                 return SE2(float(place[0]), float(place[1]), float(rng.uniform(-np.pi, np.pi)))
 
-    def view(self, pose: SE2, frame: int) -> View:
-        """Return what is seen from a pose; the noise is that of a frame's number."""
+    def standing_pose(self, rng: np.random.Generator) -> SE2:
+        """Return a pose at which the robot's footprint is clear of everything."""
+        while True:
+            x, y = rng.uniform(self._low, self._high)
+            pose = SE2(float(x), float(y), float(rng.uniform(-np.pi, np.pi)))
+            if self.gap(pose) >= GAP_M:
+                return pose
+
+    def gap(self, pose: SE2) -> float:
+        """Return how far the robot's footprint is from what is nearest, m."""
+        outline = pose @ self._footprint
+        return min(float(s.signed_distance(outline).min()) for s in self.solids)
+
+    def view(self, pose: SE2, frame: int, pair: str = PAIR) -> View:
+        """Return what a pair sees from a pose; the noise is that of a frame's number."""
         T = upright_pose(pose, 0.0)
         self._base.T_world_base = T
-        images = self._cameras.stereo(PAIR, self._base, frame)
-        return View(pose, images.left, images.right, self._depth(T @ self._T_base_left))
+        images = self._cameras.stereo(pair, self._base, frame)
+        return View(pose, images.left, images.right, self._depth(T @ self.T_base_left[pair]))
 
     def _depth(self, T_world_camera: np.ndarray) -> np.ndarray:
-        width, height = self._size
+        width, height = self.size_px
         v, u = np.mgrid[:height, :width]
         rays = np.stack(
             ((u - (width - 1) / 2.0) / self.focal_px, (v - (height - 1) / 2.0) / self.focal_px,
              np.ones(u.shape)), axis=-1,
         )  # fmt: skip
         turned = rays.reshape(-1, 3) @ T_world_camera[:3, :3].T
-        ceiling = math.inf if self._world.ceiling_m is None else self._world.ceiling_m
+        ceiling = math.inf if self.world.ceiling_m is None else self.world.ceiling_m
         depth = room_depth(T_world_camera[:3, 3], turned, self.solids, ceiling)
         return depth.reshape(height, width)
+
+
+def edge_points(corners: np.ndarray, spacing: float = 0.05) -> np.ndarray:
+    """Return points along the edges between corners (N, 2), m."""
+    parts = []
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        num = max(math.ceil(float(np.linalg.norm(end - start)) / spacing), 1)
+        parts.append(start + np.arange(num)[:, None] / num * (end - start))
+    return np.vstack(parts)
 
 
 def room_depth(

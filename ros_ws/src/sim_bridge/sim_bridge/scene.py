@@ -16,6 +16,8 @@ from sim_bridge.still_shapes import Drawable
 from sim_bridge.textures import PATTERN_TEXEL, atlas_of, pattern
 from sim_bridge.world import World
 
+CEILING_COLOR = (0.85, 0.85, 0.83)
+
 
 class Scene:
     """Everything that is in a picture, for any number of cameras.
@@ -40,7 +42,7 @@ class Scene:
             floor_low=world.floor.from_m,
             floor_color=world.floor.color,
             ceiling=math.inf if world.ceiling_m is None else world.ceiling_m,
-            ceiling_color=(0.85, 0.85, 0.83),
+            ceiling_color=CEILING_COLOR,
             sky_color=(0.55, 0.56, 0.58),
         )
         if floor is not None:

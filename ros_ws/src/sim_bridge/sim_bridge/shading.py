@@ -15,7 +15,7 @@ Color = tuple[float, float, float]
 
 _PANE_SHARE = 0.12  # of the light that a pane replaces by its own sheen
 _SHEEN = 0.8
-_PATTERN_UNIT = 2.0  # a pattern at half brightness leaves the color as it is
+PATTERN_UNIT = 2.0  # a pattern at half brightness leaves the color as it is
 
 
 class Shapes(NamedTuple):
@@ -142,18 +142,37 @@ def _shape_at(x, y, z, t, edge, i, kinds, places, textures, lamps):  # type: ign
     hx, hy, hz = places[i, HALF], places[i, HALF + 1], places[i, HALF + 2]
     nx, ny, nz = normal_at(kinds[i], hx, hy, hz, px, py, pz)
     r, g, b = places[i, COLOR], places[i, COLOR + 1], places[i, COLOR + 2]
-    u, v = px, pz + hz
+    u, v = 0.0, 0.0
     if textures[i] >= 0:
-        r, g, b = r * _PATTERN_UNIT, g * _PATTERN_UNIT, b * _PATTERN_UNIT
-        if abs(nz) > 0.7:
-            v = py
-        elif abs(nx) > abs(ny):
-            u = py
+        r, g, b = r * PATTERN_UNIT, g * PATTERN_UNIT, b * PATTERN_UNIT
+        u, v = place_on_pattern(px, py, pz, nx, ny, nz, hx, hy, hz)
         edge /= math.sqrt(max(abs(nx * dx + ny * dy + nz * dz), 0.05))
-        # Faces and shapes begin at different places of the pattern.
-        u += 7.3 * hx + 3.1 * hy + 2.9 * nx + 1.7 * ny
     lit = max(nx * lamps[i, 0] + ny * lamps[i, 1] + nz * lamps[i, 2], 0.0)
     return textures[i], r, g, b, lit, u, v, edge
+
+
+@numba.njit(cache=True, error_model="numpy", inline="always")
+def place_on_pattern(px, py, pz, nx, ny, nz, hx, hy, hz):  # type: ignore[no-untyped-def]
+    """Return where (u, v) on its pattern a point of a shape is, m.
+
+    Args:
+        px: The point in the shape's axes, with py and pz, m.
+        py: See px.
+        pz: See px.
+        nx: The normal there, with ny and nz.
+        ny: See nx.
+        nz: See nx.
+        hx: Half extents of the shape, with hy and hz, m.
+        hy: See hx.
+        hz: See hx.
+    """
+    u, v = px, pz + hz
+    if abs(nz) > 0.7:
+        v = py
+    elif abs(nx) > abs(ny):
+        u = py
+    # Faces and shapes begin at different places of the pattern.
+    return u + 7.3 * hx + 3.1 * hy + 2.9 * nx + 1.7 * ny, v
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
