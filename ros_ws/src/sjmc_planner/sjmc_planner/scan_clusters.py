@@ -79,8 +79,9 @@ def _part(  # type: ignore[no-untyped-def]
         cut = _notch(ranges, hits, start, end)
     begin = start
     for k in range(start, end):
-        if k == cut:
-            label, begin = label + 1, k
+        if k == cut:  # it may be either's
+            label, begin = label + 1, k + 1
+            continue
         labels[hits[k]] = label
         ends[label, 0], ends[label, 1], ends[label, 2] = hits[begin], hits[k], k - begin + 1
     return label + 1

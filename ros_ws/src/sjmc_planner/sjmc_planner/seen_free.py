@@ -122,7 +122,9 @@ def _shares(  # type: ignore[no-untyped-def]
     num_points = min(spread + 1, _POINTS)
     num_free, num_known, count = 0, 0, 0
     for n in range(num_points):
-        i = (first + (n * spread) // max(num_points - 1, 1)) % num
+        m = num_points - 1 - n  # from the other end: a mirrored scan has mirrored points
+        along = n * spread // (m + n) if n < m else spread - m * spread // max(m + n, 1)
+        i = (first + along) % num
         r = ranges[i]
         if not (r > 0.0 and np.isfinite(r)):
             continue

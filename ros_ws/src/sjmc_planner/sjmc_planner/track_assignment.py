@@ -73,7 +73,7 @@ def _write(row, shapes, told, i, j, sd, radius):  # type: ignore[no-untyped-def]
     other = i if j < 0 else j
     row[CX] = 0.5 * (shapes[i, X] + shapes[other, X])
     row[CY] = 0.5 * (shapes[i, Y] + shapes[other, Y])
-    row[SD] = sd + _SD_SHARE * shapes[i, RANGE]
+    row[SD] = sd + _SD_SHARE * 0.5 * (shapes[i, RANGE] + shapes[other, RANGE])
     row[RADIUS] = radius
     share = shapes[i, BEAMS] / (shapes[i, BEAMS] + shapes[other, BEAMS])
     row[FREE] = share * told[i, 0] + (1.0 - share) * told[other, 0]

@@ -14,7 +14,7 @@ STANDS, WALKS = 0, 1
 _DRIFT = 0.05  # middles of standing things move as they are seen from elsewhere, m per sqrt(s)
 _STILL = 0.05  # deviation of the velocity of what stands, m/s
 _SETS_OUT = 0.8  # deviation of the velocity of what begins to walk, m/s
-_KEEPS_S = 4.0  # how long one stands or walks
+_STANDS_S, _WALKS_S = 20.0, 5.0  # for how long, on average
 _LEAST = 1e-3  # neither is ever ruled out
 _TEMPERED = 0.5  # errors of one scan and the next are alike, so they do not tell as much
 _MOST_TOLD = 3.0  # by one scan, in the logarithm
@@ -48,10 +48,10 @@ def mix(mean, cov, p_walks):  # type: ignore[no-untyped-def]
 @numba.njit(cache=True, nogil=True)
 def predict(mean, cov, p_walks, accel, dt):  # type: ignore[no-untyped-def]
     """Let time pass, in place; return the probability that it walks after that."""
-    changes = 1.0 - np.exp(-dt / _KEEPS_S)
-    p_after = p_walks * (1.0 - changes) + (1.0 - p_walks) * changes
-    from_stands = (1.0 - p_walks) * changes / max(p_after, 1e-12)  # of those that walk now
-    from_walks = p_walks * changes / max(1.0 - p_after, 1e-12)  # of those that stand now
+    sets_out, halts = 1.0 - np.exp(-dt / _STANDS_S), 1.0 - np.exp(-dt / _WALKS_S)
+    p_after = p_walks * (1.0 - halts) + (1.0 - p_walks) * sets_out
+    from_stands = (1.0 - p_walks) * sets_out / max(p_after, 1e-12)  # of those that walk now
+    from_walks = p_walks * halts / max(1.0 - p_after, 1e-12)  # of those that stand now
     means, covs = mean.copy(), cov.copy()
     for i in range(2, 4):
         covs[STANDS, i, i] += _SETS_OUT**2

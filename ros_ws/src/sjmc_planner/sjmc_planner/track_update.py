@@ -18,16 +18,23 @@ from sjmc_planner.track_assignment import (
     is_left,
     take,
 )
-from sjmc_planner.track_filter import correct, mix, predict, start
+from sjmc_planner.track_filter import WALKS, correct, mix, predict, start
 
 NUMBER, SIZE, AGE, UNSEEN, HITS, SHAPE_A, SHAPE_B = range(7)
 NUM_INFO = 7
-_STARTS_WALKING = 0.3  # how probable that is of somebody new
+_STARTS_WALKING = 0.1  # how probable that is of somebody new
 _IS_FREE, _IS_PARTLY_FREE, _IS_KNOWN = 0.5, 0.2, 0.6  # shares of its ends
-_TOLD_FREE, _TOLD_PARTLY, _TOLD_KNOWN = 1.2, 0.5, -0.8  # log odds in a tenth of a second
+_TOLD_FREE, _TOLD_PARTLY, _TOLD_KNOWN, _TOLD_NOTHING = (
+    1.2,
+    0.5,
+    -0.8,
+    -0.2,
+)  # log odds in a tenth of a second
 _NEW_UNSEEN_S = 0.25  # somebody new who is not seen for so long was nobody
 _THROUGH_S = 0.35  # nor is somebody there whose place is seen through for so long
 _ACROSS, _BEHIND = 0.2, 0.3  # what has to be free for that, m
+_OWN_LEG = 0.5  # a leg this near to somebody is rather theirs, m
+_LATELY_S = 0.25
 _SIZE_TAKEN = 0.3  # of a new width into the old one
 
 
@@ -84,7 +91,7 @@ def _told(free, known):  # type: ignore[no-untyped-def]
         return _TOLD_FREE
     if free >= _IS_PARTLY_FREE:
         return _TOLD_PARTLY
-    return _TOLD_KNOWN if known >= _IS_KNOWN else 0.0
+    return _TOLD_KNOWN if known >= _IS_KNOWN else _TOLD_NOTHING
 
 
 @numba.njit(cache=True, nogil=True)
@@ -128,6 +135,17 @@ def _is_seen_through(x, y, ranges, angle_min, increment, sensor):  # type: ignor
 
 
 @numba.njit(cache=True, nogil=True)
+def _is_anothers(c, means, info, num):  # type: ignore[no-untyped-def]
+    """Tell whether a single leg is so near to somebody that it is rather theirs."""
+    for t in range(num):
+        if info[t, UNSEEN] < _LATELY_S:
+            off = np.hypot(c[CX] - means[t, WALKS, 0], c[CY] - means[t, WALKS, 1])
+            if off < _OWN_LEG:
+                return True
+    return False
+
+
+@numba.njit(cache=True, nogil=True)
 def begin_new(  # type: ignore[no-untyped-def]
     means, covs, p_walks, info, num, candidates, num_candidates, taken, least_radius, last_number
 ):
@@ -137,6 +155,8 @@ def begin_new(  # type: ignore[no-untyped-def]
         if num == len(means) or not is_left(c, taken):
             continue
         take(c, taken)
+        if c[RADIUS] == 0.0 and c[SECOND] < 0.0 and _is_anothers(c, means, info, num):
+            continue
         start(means[num], covs[num], c[CX], c[CY], c[SD])
         p_walks[num] = _STARTS_WALKING
         last_number += 1

@@ -27,7 +27,7 @@ class TrackingConfig:
         0.25, "Least radius of the disk that stands for a person.", unit="m", gt=0.0, le=1.0
     )
     accel_m_s2: float = param(
-        1.0, "How much people change their velocity within a second.", unit="m/s^2", gt=0.0, le=10.0
+        1.5, "How much people change their velocity within a second.", unit="m/s^2", gt=0.0, le=10.0
     )
     confirm_s: float = param(
         0.15, "Something is only reported once it was seen for so long.", unit="s", ge=0.0, le=5.0
