@@ -41,7 +41,12 @@ from sjmc_planner.planning import (
 )
 from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.sjmc_course import courses, preferred
-from sjmc_planner.sjmc_people import InTheWay, Patience, people_in_the_way
+from sjmc_planner.sjmc_people import (
+    InTheWay,
+    Patience,
+    bystander_in_reach,
+    people_in_the_way,
+)
 from sjmc_planner.sjmc_region import box_of, free_ways
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_room import make_room
@@ -103,7 +108,7 @@ class Sjmc:
         self._note_way(state)
         if goal.distance <= self._cycle.goal_tolerance:  # end
             return Decision(STILL, REACHED)
-        is_judged = self._patience.begin(scene)
+        is_judged = self._patience.begin(scene, goal.bearing)
         moment = self._moment(state, goal, scene, is_judged)
         ahead = self._in_the_way(goal.bearing, moment)
         if ahead.is_stable and self._is_not_yielding(ahead):
@@ -123,7 +128,7 @@ class Sjmc:
         """Return what is known, with how far each course is free of what does not yield."""
         config, robot = self._config, self._robot
         bearings = courses(goal.bearing, config.course_step_rad, _WIDEST)
-        is_solid = is_judged & ~scene.is_moving
+        is_solid = (is_judged | self._is_beside(goal.bearing, scene)) & ~scene.is_moving
         points = np.concatenate((scene.things, scene.people[is_solid, :2]))
         radii = np.zeros(len(points))
         radii[len(scene.things) :] = scene.people[is_solid, 4] + config.clearance_m
@@ -132,6 +137,11 @@ class Sjmc:
         free[scene.ends.unseen(bearings, robot.radius_m, 2.0 * robot.radius_m)] = 0.0
         fastest = min(robot.speed_m_s, stopping_speed(goal.distance, robot.accel_m_s2, self._delay))
         return _Moment(state, goal, scene, is_judged, bearings, free, fastest)
+
+    def _is_beside(self, course: float, scene: Scene) -> np.ndarray:
+        """Tell who is not in D along a course but too near beside it, shape (N,), bool."""
+        across = math.cos(course) * scene.people[:, 1] - math.sin(course) * scene.people[:, 0]
+        return np.asarray(np.abs(across) >= self._half + scene.people[:, 4])
 
     def _reach(self, goal: Goal) -> float:
         """Return how far things count: D ends at the target, or where the robot can stop."""
@@ -145,7 +155,7 @@ class Sjmc:
         if moment.free[0] < self._config.look_m:
             return None
         course, ahead = moment.goal.bearing, self._in_the_way(moment.goal.bearing, moment)
-        speed, seen = self._safe_speed(course, ahead.bound, moment)
+        speed, seen = self._safe_speed(course, min(ahead.bound, self._beside(moment)), moment)
         if speed > _SLOW:
             if moment.free[0] == math.inf:
                 self._side = 0
@@ -199,6 +209,15 @@ class Sjmc:
     def _in_the_way(self, course: float, moment: _Moment) -> InTheWay:
         args = moment.scene, moment.is_judged, self._box.front, self._half
         return people_in_the_way(course, *args, self._config)
+
+    def _beside(self, moment: _Moment) -> float:
+        """Return how fast it may come up to who stands beside the target's course, m/s."""
+        known = self._patience.known(moment.scene)
+        args = moment.scene, known, self._box.front, self._half, self._config
+        bound, who = bystander_in_reach(moment.goal.bearing, *args)
+        if bound < moment.fastest:
+            self._patience.mind(int(moment.scene.number[who]))
+        return bound
 
     def _stands_near(self, course: float, moment: _Moment) -> bool:
         """Tell whether somebody stands in a course's Danger Zone (3.7)."""

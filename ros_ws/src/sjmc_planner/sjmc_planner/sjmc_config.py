@@ -46,12 +46,25 @@ class SjmcConfig:
         3.0, "How long it waits for one person who keeps it from driving.", unit="s", ge=0.0,
         le=60.0,
     )  # fmt: skip
+    bystander_patience_s: float = param(
+        6.0, "For so long; who has not stepped in by then is not minded.", unit="s", ge=0.0,
+        le=60.0,
+    )  # fmt: skip
     person_width_m: float = param(
         0.5, "What stands and is wider than this is a thing, and is not waited for.",
         unit="m", gt=0.0, le=2.0,
     )  # fmt: skip
+    bystander_m: float = param(
+        0.5, "Who stands this near beside the way may step into it: it comes up slowly.",
+        unit="m", ge=0.0, le=3.0,
+    )  # fmt: skip
+    bystander_s: float = param(
+        1.6, "How slowly: it would take this long to where it stops before such a person; 0 = no "
+        "regard.", unit="s", ge=0.0, le=10.0,
+    )  # fmt: skip
+    bystander_end_m_s: float = param(0.15, "And no slower than this.", unit="m/s", ge=0.0, le=1.0)
     clearance_m: float = param(
-        0.25, "Air to keep to people, as they are foreseen.", unit="m", ge=0.0, le=2.0
+        0.2, "Air to keep to people, as they are foreseen.", unit="m", ge=0.0, le=2.0
     )
     look_m: float = param(
         2.5, "A course is open if it is free so far ahead.", unit="m", gt=0.0, le=20.0

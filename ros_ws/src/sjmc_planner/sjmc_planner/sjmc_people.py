@@ -19,6 +19,7 @@ from sjmc_planner.sjmc_speed import avoid_time, aware_time, stable_bound, unstab
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _LEAVES_S = 4.0  # who takes longer to leave D does not leave it
 _YIELDS = 0.3  # m/s: who was judged and goes this fast is given another chance
+_LEAVING = 0.2  # m/s
 _RESTS_S = 1.0  # without being in the way: patience is whole again
 
 
@@ -87,6 +88,46 @@ def _in_the_way(course, people, is_moving, is_judged, front, half, zones):  # ty
     return best, who, at, best_stable
 
 
+def bystander_in_reach(
+    course: float, scene: Scene, is_known: np.ndarray, front: float, half: float,
+    config: SjmcConfig,
+) -> tuple[float, int]:  # fmt: skip
+    """Return how fast to come up to who stands beside D and may step into it, and who that is.
+
+    Args:
+        course: Bearing, rad.
+        scene: Surroundings.
+        is_known: Who stood there long enough not to be minded, shape (N,), bool.
+        front: How far the robot reaches ahead of its base, m.
+        half: Half of the width of D, m.
+        config: `bystander_*`.
+
+    Returns:
+        m/s, inf for nobody; the row of the person, -1 for nobody.
+    """
+    if config.bystander_s == 0.0:
+        return math.inf, -1
+    people = scene.people
+    c, s = math.cos(course), math.sin(course)
+    along = c * people[:, 0] + s * people[:, 1] - front - people[:, 4]
+    beside = np.abs(c * people[:, 1] - s * people[:, 0]) - half - people[:, 4]
+    counts = ~scene.is_moving & ~is_known & (along > 0.0)
+    counts &= (beside > 0.0) & (beside < config.bystander_m)
+    if not counts.any():
+        return math.inf, -1
+    who = int(np.argmin(np.where(counts, along, np.inf)))
+    bound = (float(along[who]) - config.danger_m) / config.bystander_s
+    return max(bound, config.bystander_end_m_s), who
+
+
+def _leaves(scene: Scene, course: float) -> np.ndarray:
+    """Tell who walks away from a course to its side, shape (N,), bool."""
+    c, s = math.cos(course), math.sin(course)
+    across = c * scene.people[:, 1] - s * scene.people[:, 0]
+    outward = c * scene.people[:, 3] - s * scene.people[:, 2]
+    return np.asarray(across * outward > _LEAVING * np.abs(across))
+
+
 class Patience:
     """Remembers for whom the robot waited, and who is judged not to yield.
 
@@ -100,8 +141,9 @@ class Patience:
         self._waited: dict[int, float] = {}
         self._free: dict[int, float] = {}
         self._judged: set[int] = set()
+        self._minded: dict[int, float] = {}
 
-    def begin(self, scene: Scene) -> np.ndarray:
+    def begin(self, scene: Scene, course: float) -> np.ndarray:
         """Return who is judged not to yield, shape (N,), bool, in a new scene."""
         known = set(scene.number.tolist())
         speed = np.hypot(scene.people[:, 2], scene.people[:, 3])
@@ -111,7 +153,19 @@ class Patience:
             self._free[number] = self._free.get(number, 0.0) + self._period
             if number not in known or self._free[number] > _RESTS_S:
                 del self._waited[number], self._free[number]
+        self._minded = {n: t for n, t in self._minded.items() if n in known and n not in moving}
+        for number in scene.number[_leaves(scene, course)].tolist():
+            self._minded[number] = self._config.bystander_patience_s  # does not step in again
         return np.array([n in self._judged for n in scene.number.tolist()], dtype=bool)
+
+    def known(self, scene: Scene) -> np.ndarray:
+        """Return who stood beside the way long enough not to be minded, shape (N,), bool."""
+        longest = self._config.bystander_patience_s
+        return np.array([self._minded.get(n, 0.0) >= longest for n in scene.number.tolist()], bool)
+
+    def mind(self, number: int) -> None:
+        """Come up slowly to a bystander for one period more."""
+        self._minded[number] = self._minded.get(number, 0.0) + self._period
 
     def judge(self, number: int) -> None:
         """Expect no more of a person."""

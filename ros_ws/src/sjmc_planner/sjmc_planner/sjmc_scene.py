@@ -25,6 +25,7 @@ _KEEP_M = 1.2  # around the base: farther off what went out of view is forgotten
 _KEEP_S = 3.0
 _MOVES = 0.5  # probability
 _STANDS = 0.15  # m/s
+_EDGE = 0.15  # beams that end this near to a person's disk are the person's, m
 
 
 @dataclass(frozen=True)
@@ -70,11 +71,12 @@ class SceneReader:
         tracks = self._tracker.update(obstacles, state.moved, self._period)
         ends = self._reader.read(obstacles)
         is_person = self._people(tracks, ends)
+        disks = np.column_stack((tracks.position, tracks.radius + _EDGE))[is_person]
         things = _things(
             ends.ranges, tracks.beam_track, is_person, ends.angle_min, ends.angle_increment,
-            ends.pose, np.full(_BINS, np.inf),
+            ends.pose, disks, np.full(_BINS, np.inf),
         )  # fmt: skip
-        rear = self._remember(state.moved, things, ends)
+        rear = self._remember(state.moved, things, ends, disks)
         speed = np.hypot(tracks.velocity[:, 0], tracks.velocity[:, 1])
         moves = (tracks.is_moving > _MOVES) & (speed > _STANDS)
         rows = np.column_stack((tracks.position, tracks.velocity, tracks.radius))
@@ -90,14 +92,17 @@ class SceneReader:
         )
         return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
 
-    def _remember(self, moved: SE2, things: np.ndarray, ends: BeamEnds) -> np.ndarray:
+    def _remember(
+        self, moved: SE2, things: np.ndarray, ends: BeamEnds, disks: np.ndarray
+    ) -> np.ndarray:
         """Return what has gone out of view beside and behind the robot."""
         back = moved.inverse()
         points = np.concatenate((back @ self._last, back @ self._kept))
         age = np.concatenate((np.zeros(len(self._last)), self._age + self._period))
         is_kept = (np.hypot(points[:, 0], points[:, 1]) < _KEEP_M) & (age < _KEEP_S)
         points, age = points[is_kept], age[is_kept]
-        is_out = _out_of_view(points, ends.ranges, ends.angle_min, ends.angle_increment, ends.pose)
+        beams = ends.ranges, ends.angle_min, ends.angle_increment
+        is_out = _out_of_view(points, *beams, ends.pose, disks)
         self._kept, self._age, self._last = points[is_out], age[is_out], things
         return self._kept
 
@@ -121,7 +126,7 @@ def _widths(ranges, beam_track, angle_min, step, num):  # type: ignore[no-untype
 
 
 @numba.njit(cache=True, nogil=True)
-def _things(ranges, beam_track, is_person, angle_min, step, pose, nearest):  # type: ignore[no-untyped-def]
+def _things(ranges, beam_track, is_person, angle_min, step, pose, disks, nearest):  # type: ignore[no-untyped-def]
     """Return the nearest thing in each direction, in the base frame; `nearest` is scratch."""
     num_bins, beam = len(nearest), np.full(len(nearest), -1)
     half = len(ranges) // 2
@@ -132,26 +137,41 @@ def _things(ranges, beam_track, is_person, angle_min, step, pose, nearest):  # t
             continue
         b = min(max((i - half) // per_bin + num_bins // 2, 0), num_bins - 1)
         if ranges[i] < nearest[b]:
-            nearest[b], beam[b] = ranges[i], i
+            x, y = _end(ranges[i], angle_min + step * i, pose)
+            if not _is_on_disk(x, y, disks):
+                nearest[b], beam[b] = ranges[i], i
     points = np.empty((num_bins, 2))
     count = 0
     for b in range(num_bins):
         if beam[b] >= 0:
-            angle = angle_min + step * beam[b]
-            px, py = nearest[b] * math.cos(angle), nearest[b] * math.sin(angle)
-            points[count, 0] = pose[0] + (pose[2] * px - pose[3] * py)
-            points[count, 1] = pose[1] + (pose[3] * px + pose[2] * py)
+            points[count] = _end(nearest[b], angle_min + step * beam[b], pose)
             count += 1
     return points[:count]
 
 
+@numba.njit(cache=True, nogil=True, inline="always")
+def _end(distance, angle, pose):  # type: ignore[no-untyped-def]
+    px, py = distance * math.cos(angle), distance * math.sin(angle)
+    return pose[0] + (pose[2] * px - pose[3] * py), pose[1] + (pose[3] * px + pose[2] * py)
+
+
+@numba.njit(cache=True, nogil=True, inline="always")
+def _is_on_disk(x, y, disks):  # type: ignore[no-untyped-def]
+    for i in range(len(disks)):
+        dx, dy = x - disks[i, 0], y - disks[i, 1]
+        if dx * dx + dy * dy < disks[i, 2] * disks[i, 2]:
+            return True
+    return False
+
+
 @numba.njit(cache=True, nogil=True)
-def _out_of_view(points, ranges, angle_min, step, pose):  # type: ignore[no-untyped-def]
+def _out_of_view(points, ranges, angle_min, step, pose, disks):  # type: ignore[no-untyped-def]
     found = np.zeros(len(points), dtype=np.bool_)
     for i in range(len(points)):
         dx, dy = points[i, 0] - pose[0], points[i, 1] - pose[1]
         angle = math.atan2(dy, dx) - pose[4]
         beam = ((angle - angle_min) * (1.0 if step > 0.0 else -1.0)) % (2.0 * math.pi)
         k = int(np.rint(beam / abs(step)))
-        found[i] = k >= len(ranges) or np.isnan(ranges[k])
+        is_out = k >= len(ranges) or np.isnan(ranges[k])
+        found[i] = is_out and not _is_on_disk(points[i, 0], points[i, 1], disks)
     return found
