@@ -36,6 +36,7 @@ JOBS = {
     "floor": "from image to free space, beside bare OpenCV passes",
     "floor_localization": "from the floor mask to the pose, beside the published steps",
     "avoidance": "from a scan to a command, beside the same in plain numpy",
+    "planners": "a control step of each planning method among 20 people, beside ORCA and DWA",
     "team": "poses and identities of 4 to 50 robots, beside solvers told who is who",
     "stereo": "disparities of a pair, beside OpenCV's matchers",
     "messages": "images and grids to and from messages, and between processes",
