@@ -155,8 +155,7 @@ def _pieces(points: np.ndarray, length: float) -> list[np.ndarray]:
 def _decision(
     steering: Steering, bearing: float, speed: float, state: RobotState, ends: BeamEnds
 ) -> Decision:
-    horizon = ends.horizon - math.hypot(*ends.pose[:2])
-    command = steering.toward(bearing, speed, state, ends.points, horizon)
+    command = steering.toward(bearing, speed, state, ends)
     if command is None:
         return Decision(STILL, BRAKING, "no room to stop within what is seen")
     if command.is_still:

@@ -138,3 +138,10 @@ def test_whatever_is_in_the_way_of_a_straight_drive_blocks_its_sector(points, be
     is_in_the_way = is_inside & (along > 1e-6) & (aside2 < (0.5 - 1e-6) ** 2)
     if is_in_the_way.any():
         assert primary(cells, np.ones(len(cells)))[k] > 0.0
+
+
+def test_straight_behind_is_reached_by_either_side():
+    is_blocked = np.zeros(NUM, dtype=bool)
+    for limits in ((-math.pi, 0.5), (-0.5, math.pi)):
+        assert not masked_histogram(is_blocked, 0.0, limits)[36]
+    assert masked_histogram(is_blocked, 0.0, (-0.5, 0.5))[36]

@@ -103,7 +103,9 @@ class LocalPlannerConfig:
 
     method: str = param(
         "omni_velocity", "How to avoid obstacles.",
-        choices=("omni_velocity", "omni_static", "sjmc", "sjmc_published", "vfh_plus"),
+        choices=(
+            "omni_velocity", "omni_static", "sjmc", "sjmc_published", "vfh_plus", "vfh", "vff",
+        ),
     )  # fmt: skip
     goal_source: str = param(
         "path", "`path`: follow the topic `path`; `goal_pose`: go straight for the topic "

@@ -38,7 +38,7 @@ class HistogramConfig:
     )
     wide_sectors: int = param(
         6, "Openings of more sectors than this are wide: it keeps half as many from their sides "
-        "(s_max); `vfh_plus`, `vfh`; 16 was published.", ge=1, le=360,
+        "(s_max); `vfh_plus`; 16 was published.", ge=1, le=360,
     )  # fmt: skip
     goal_weight: float = param(5.0, "`vfh_plus`: cost of an angle to the goal (mu_1).", ge=0.0)
     heading_weight: float = param(
@@ -46,6 +46,26 @@ class HistogramConfig:
     )
     steady_weight: float = param(
         2.0, "`vfh_plus`: cost of an angle to what was chosen last (mu_3).", ge=0.0
+    )
+    vfh_smoothing: int = param(
+        5, "`vfh`: sectors to each side that the histogram is smoothed over (l).", ge=0, le=36
+    )
+    vfh_wide_sectors: int = param(
+        18, "`vfh`: most sectors of a valley that it steers for the middle of (s_max).",
+        ge=1, le=360,
+    )  # fmt: skip
+    vfh_threshold: float = param(
+        0.7, "`vfh`: a sector below this density is open; 1 is one sure cell at the robot.", gt=0.0
+    )
+    vfh_full_stop: float = param(
+        10.0, "`vfh`: density ahead at which it goes slowest (h_m).", gt=0.0
+    )
+    vff_repulsion: float = param(
+        8.0, "`vff`: push of a square meter of sure cells at 1 m beside the goal's pull "
+        "(F_cr / F_ct).", ge=0.0,
+    )  # fmt: skip
+    least_speed: float = param(
+        0.2, "`vff`, `vfh`: share of its speed that is kept while slowed (V_min).", ge=0.0, le=1.0
     )
 
     def __post_init__(self) -> None:

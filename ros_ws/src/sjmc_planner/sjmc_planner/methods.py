@@ -9,6 +9,8 @@ from sjmc_planner.omni_velocity import Cycle, OmniStatic, OmniVelocity
 from sjmc_planner.planning import Method
 from sjmc_planner.sjmc import Sjmc
 from sjmc_planner.sjmc_published import SjmcPublished
+from sjmc_planner.vff import Vff
+from sjmc_planner.vfh import Vfh
 from sjmc_planner.vfh_plus import VfhPlus
 
 
@@ -31,4 +33,6 @@ METHODS: dict[str, Callable[[LocalPlannerConfig], Method]] = {
     "sjmc": lambda c: Sjmc(c.robot, c.sjmc, c.tracking, _cycle(c)),
     "sjmc_published": lambda c: SjmcPublished(c.robot, c.sjmc, _cycle(c)),
     "vfh_plus": lambda c: VfhPlus(c.robot, c.histogram, _cycle(c)),
+    "vfh": lambda c: Vfh(c.robot, c.histogram, _cycle(c)),
+    "vff": lambda c: Vff(c.robot, c.histogram, _cycle(c)),
 }

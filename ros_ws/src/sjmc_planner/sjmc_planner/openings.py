@@ -1,6 +1,6 @@
 """The fourth stage of VFH+: openings between blocked sectors, candidate directions, their cost.
 
-Ulrich and Borenstein 1998, eq. 11 to 15. A narrow opening gives its middle; a wide one both sides
+Ulrich and Borenstein 1998. A narrow opening gives its middle; a wide one both sides
 at half of s_max from its borders, and the goal's direction if that lies between them.
 """
 
@@ -50,7 +50,7 @@ def openings(is_blocked):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def candidates(is_blocked, goal, wide):  # type: ignore[no-untyped-def]
-    """Return the directions worth weighing, shape (C,), in (-pi, pi] (eq. 11 to 13).
+    """Return the directions worth weighing, shape (C,), in (-pi, pi].
 
     Args:
         is_blocked: The masked histogram, shape (num,), bool.
@@ -68,13 +68,13 @@ def candidates(is_blocked, goal, wide):  # type: ignore[no-untyped-def]
             found[0] = goal / alpha
             return found[:1] * alpha
         if left - right < wide:
-            found[count] = 0.5 * (right + left)  # eq. 11
+            found[count] = 0.5 * (right + left)
             count += 1
             continue
-        found[count], found[count + 1] = right + 0.5 * wide, left - 0.5 * wide  # eq. 12
+        found[count], found[count + 1] = right + 0.5 * wide, left - 0.5 * wide
         count += 2
         if right + 0.5 * wide <= sector <= left - 0.5 * wide:
-            found[count] = sector  # eq. 13
+            found[count] = sector
             count += 1
     bearings = found[:count] * alpha
     return bearings - _TURN * np.ceil(bearings / _TURN - 0.5)
@@ -82,7 +82,7 @@ def candidates(is_blocked, goal, wide):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def cheapest(bearings, goal, heading, before, weights):  # type: ignore[no-untyped-def]
-    """Return the index of the candidate with the least cost (eq. 14, 15).
+    """Return the index of the candidate with the least cost.
 
     Args:
         bearings: The candidates, shape (C,), rad.

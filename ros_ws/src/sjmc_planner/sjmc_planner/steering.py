@@ -13,14 +13,17 @@ import math
 
 import numpy as np
 
+from sjmc_planner.beam_ends import BeamEnds
 from sjmc_planner.config import RobotConfig
 from sjmc_planner.free_way import can_stop
 from sjmc_planner.limited_motion import ramped, stopping_speed
 from sjmc_planner.planning import STILL, Goal, RobotState, Velocity
 from sjmc_planner.unicycle_motion import Unicycle
 
+_AHEAD = 1.0  # beyond the robot it has to have looked this far, m
 _SHARES = (1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.0)
 _NO_SPEED = 1e-3
+STANDS = 0.02  # slower than this a robot can turn where it is, m/s
 
 
 class Steering:
@@ -44,7 +47,7 @@ class Steering:
     def heading(self, state: RobotState) -> float:
         """Return the direction that turning starts from, rad; straight ahead if it stands."""
         moving = state.velocity
-        if self._unicycle is not None or moving.speed < 0.02:
+        if self._unicycle is not None or moving.speed < STANDS:
             return 0.0
         return math.atan2(moving.y, moving.x)
 
@@ -55,7 +58,7 @@ class Steering:
         return speed * speed / self._robot.accel_m_s2
 
     def toward(
-        self, bearing: float, speed: float, state: RobotState, points: np.ndarray, horizon: float
+        self, bearing: float, speed: float, state: RobotState, ends: BeamEnds
     ) -> Velocity | None:
         """Return the command towards a direction; None if the robot can only brake.
 
@@ -63,16 +66,23 @@ class Steering:
             bearing: Direction in the base frame, rad.
             speed: Wanted, m/s.
             state: How it moves.
-            points: What stands there, in the base frame, shape (M, 2), m.
-            horizon: How far was looked, m.
+            ends: What the scan shows.
         """
-        robot = self._robot
+        robot, delay = self._robot, self._robot.idle_time_s + self._period
+        horizon = ends.horizon - math.hypot(ends.pose[0], ends.pose[1])
         for share in _SHARES:
             wanted = self._wanted(bearing, share * speed)
             after = ramped(state.velocity, wanted, robot, self._period)
-            if can_stop(after, robot, robot.idle_time_s + self._period, points, horizon):
+            if after.speed > _NO_SPEED and self._is_blind(after, ends):
+                continue
+            if can_stop(after, robot, delay, ends.points, horizon):
                 return wanted
         return None
+
+    def _is_blind(self, velocity: Velocity, ends: BeamEnds) -> bool:
+        """Tell whether no beam looked along the direction of a motion."""
+        bearing = math.atan2(velocity.y, velocity.x)
+        return bool(ends.unseen(np.array([bearing]), self._robot.radius_m, _AHEAD)[0])
 
     def _wanted(self, bearing: float, speed: float) -> Velocity:
         if self._unicycle is not None:
