@@ -192,14 +192,13 @@ def test_who_does_not_drive_as_wanted_says_why(name, drive, scene):
 
 @every_method
 @every_drive
-@FEW
-@given(seed=st.integers(0, 10_000))
+@pytest.mark.parametrize("seed", range(8))
 def test_a_mirrored_scene_has_the_mirrored_command(name, drive, seed):
     """Random ranges have no two equal ways, which nothing but a side could tell apart."""
     rng = np.random.default_rng(seed)
     disks = [(*rng.uniform(-4.0, 4.0, 2), rng.uniform(0.1, 0.5)) for _ in range(6)]
     disks = [d for d in disks if np.hypot(*d[:2]) > d[2] + 0.4]
-    goal = rng.uniform(-4.0, 4.0, 2)
+    goal = rng.uniform((0.5, -4.0), 4.0)  # straight behind, either side is right
     speed, w = rng.uniform(0.0, 0.6), rng.uniform(-1.0, 1.0)
     ours, theirs = planner(name, drive), planner(name, drive)
     scan = disks_scan(disks)

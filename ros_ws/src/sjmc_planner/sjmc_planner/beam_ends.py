@@ -130,15 +130,30 @@ def _fill(ranges, most, is_round):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True, inline="always")
-def _beam(x, y, ranges, angle_min, step, pose):  # type: ignore[no-untyped-def]
-    """Return the beam over a point of the base frame and the point's distance; -1 for none."""
+def _seen_to(x, y, ranges, angle_min, step, pose):  # type: ignore[no-untyped-def]
+    """Return how far was looked along a point of the base frame, and how far it is.
+
+    The first is the nearer of the two beams beside the point, so that no side is preferred; NaN
+    if one of them, or none, was looked along.
+    """
     dx, dy = x - pose[0], y - pose[1]
     sx, sy = pose[2] * dx + pose[3] * dy, pose[2] * dy - pose[3] * dx
-    off = (_bearing(sy, sx) - angle_min) * (1.0 if step > 0.0 else -1.0)
-    i = int(np.rint((off - _TURN * np.floor(off / _TURN)) / abs(step)))
-    if i >= len(ranges):  # just right of the first beam, or beside all of them
-        i = 0 if (_TURN - i * abs(step)) < 0.5 * abs(step) else -1
-    return i, np.sqrt(sx * sx + sy * sy)
+    num, turn = len(ranges), _TURN / abs(step)
+    off = (_bearing(sy, sx) - angle_min) / step
+    off -= turn * np.floor(off / turn)
+    right, left = int(np.floor(off + 1e-6)), int(np.ceil(off - 1e-6))
+    if left >= num:
+        if turn - num < 0.5:  # the beams go once around
+            right, left = min(right, num - 1), 0
+        elif off <= num - 0.5:
+            right, left = num - 1, num - 1
+        elif off >= turn - 0.5:
+            right, left = 0, 0
+        else:
+            return np.nan, 0.0
+    a, b = ranges[right], ranges[left]
+    far = np.nan if np.isnan(a) or np.isnan(b) else min(a, b)
+    return far, np.sqrt(sx * sx + sy * sy)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -148,7 +163,6 @@ def _unseen(bearings, radius, reach, ranges, angle_min, step, pose, looks):  # t
         c, s = np.cos(bearings[k]), np.sin(bearings[k])
         for share in looks:
             r = radius + share * reach
-            i, _ = _beam(r * c, r * s, ranges, angle_min, step, pose)
-            if i < 0 or np.isnan(ranges[i]):
-                found[k] = True
+            far, _ = _seen_to(r * c, r * s, ranges, angle_min, step, pose)
+            found[k] |= np.isnan(far)
     return found

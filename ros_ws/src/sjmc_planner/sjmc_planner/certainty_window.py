@@ -4,7 +4,7 @@ Cells stay fixed to the floor while the robot moves, and the window moves with t
 that leaves it is forgotten. A scan that ends in a cell makes it more certain, one that sees past
 it makes it less so; certainties go from 0 to 15 as published. What was made for one sonar along
 one axis is done for all beams of a scan at once: a cell gains once a scan, and loses only where the
-beam over its middle ends behind it.
+beams beside its middle end behind it.
 
 Cells lie symmetrically about where the window was started, so that a mirrored scene gives mirrored
 cells.
@@ -19,7 +19,7 @@ import numba
 import numpy as np
 
 from floornav_common.se2 import SE2
-from sjmc_planner.beam_ends import BeamEnds, _beam
+from sjmc_planner.beam_ends import BeamEnds, _seen_to
 
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 MOST_CERTAIN = 15
@@ -118,8 +118,8 @@ def _occupied(  # type: ignore[no-untyped-def]
                 counts[a, b] = 0
                 continue
             if scans[a, b] != scan:
-                k, r = _beam(px, py, ranges, angle_min, step, sensor)
-                if k >= 0 and ranges[k] > r + cell:
+                far, r = _seen_to(px, py, ranges, angle_min, step, sensor)
+                if far > r + cell:  # never of NaN
                     counts[a, b] = max(counts[a, b] - loss, 0)
             if counts[a, b] > 0:
                 points[count, 0], points[count, 1] = px, py

@@ -115,10 +115,10 @@ def _limits(points, heading, turn_radius, enlarged_by):  # type: ignore[no-untyp
         px, py = points[i, 0], points[i, 1]
         x, y = c * px + s * py, c * py - s * px
         if y <= 0.0 and x * x + (y + turn_radius) ** 2 < near2:  # condition 1
-            right = max(right, np.arctan2(y, x))
+            right = max(right, -abs(np.arctan2(y, x)))
         if y >= 0.0 and x * x + (y - turn_radius) ** 2 < near2:  # condition 2
-            left = min(left, np.arctan2(y, x))
-    return min(right, 0.0), max(left, 0.0)
+            left = min(left, abs(np.arctan2(y, x)))
+    return right, left
 
 
 @numba.njit(cache=True, nogil=True)
