@@ -99,6 +99,7 @@ class Sjmc:
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
         self._side = 0
         self._behind = 0.0
+        self._minded: set[int] = set()
 
     def decide(
         self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
@@ -108,6 +109,8 @@ class Sjmc:
         self._note_way(state)
         if goal.distance <= self._cycle.goal_tolerance:  # end
             return Decision(STILL, REACHED)
+        self._patience.mind(self._minded)
+        self._minded = set()
         is_judged = self._patience.begin(scene, goal.bearing)
         moment = self._moment(state, goal, scene, is_judged)
         ahead = self._in_the_way(goal.bearing, moment)
@@ -155,7 +158,9 @@ class Sjmc:
         if moment.free[0] < self._config.look_m:
             return None
         course, ahead = moment.goal.bearing, self._in_the_way(moment.goal.bearing, moment)
-        speed, seen = self._safe_speed(course, min(ahead.bound, self._beside(moment)), moment)
+        speed, seen = self._safe_speed(
+            course, min(ahead.bound, self._beside(course, moment)), moment
+        )
         if speed > _SLOW:
             if moment.free[0] == math.inf:
                 self._side = 0
@@ -188,7 +193,7 @@ class Sjmc:
                 course = float(moment.bearings[k])
                 if k != 0 and self._stands_near(course, moment):
                     continue
-                bound = self._in_the_way(course, moment).bound
+                bound = min(self._in_the_way(course, moment).bound, self._beside(course, moment))
                 stop = stopping_speed(moment.free[k], self._robot.accel_m_s2, self._delay)
                 speed, _ = self._safe_speed(course, min(bound, stop), moment)
                 if speed > _SLOW:
@@ -210,13 +215,13 @@ class Sjmc:
         args = moment.scene, moment.is_judged, self._box.front, self._half
         return people_in_the_way(course, *args, self._config)
 
-    def _beside(self, moment: _Moment) -> float:
-        """Return how fast it may come up to who stands beside the target's course, m/s."""
+    def _beside(self, course: float, moment: _Moment) -> float:
+        """Return how fast it may come up to who stands beside a course, m/s."""
         known = self._patience.known(moment.scene)
         args = moment.scene, known, self._box.front, self._half, self._config
-        bound, who = bystander_in_reach(moment.goal.bearing, *args)
+        bound, who = bystander_in_reach(course, *args)
         if bound < moment.fastest:
-            self._patience.mind(int(moment.scene.number[who]))
+            self._minded.add(int(moment.scene.number[who]))
         return bound
 
     def _stands_near(self, course: float, moment: _Moment) -> bool:

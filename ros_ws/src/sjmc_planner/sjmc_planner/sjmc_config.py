@@ -47,7 +47,7 @@ class SjmcConfig:
         le=60.0,
     )  # fmt: skip
     bystander_patience_s: float = param(
-        6.0, "For so long; who has not stepped in by then is not minded.", unit="s", ge=0.0,
+        9.0, "For so long; who has not stepped in by then is not minded.", unit="s", ge=0.0,
         le=60.0,
     )  # fmt: skip
     person_width_m: float = param(
@@ -55,7 +55,7 @@ class SjmcConfig:
         unit="m", gt=0.0, le=2.0,
     )  # fmt: skip
     bystander_m: float = param(
-        0.5, "Who stands this near beside the way may step into it: it comes up slowly.",
+        0.9, "Who stands this near beside the way may step into it: it comes up slowly.",
         unit="m", ge=0.0, le=3.0,
     )  # fmt: skip
     bystander_s: float = param(

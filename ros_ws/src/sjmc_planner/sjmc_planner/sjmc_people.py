@@ -163,9 +163,10 @@ class Patience:
         longest = self._config.bystander_patience_s
         return np.array([self._minded.get(n, 0.0) >= longest for n in scene.number.tolist()], bool)
 
-    def mind(self, number: int) -> None:
-        """Come up slowly to a bystander for one period more."""
-        self._minded[number] = self._minded.get(number, 0.0) + self._period
+    def mind(self, numbers: set[int]) -> None:
+        """Come up slowly to bystanders for one period more."""
+        for number in numbers:
+            self._minded[number] = self._minded.get(number, 0.0) + self._period
 
     def judge(self, number: int) -> None:
         """Expect no more of a person."""
