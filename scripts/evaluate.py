@@ -37,6 +37,7 @@ EXPERIMENTS = {
     "team-localization": "the team paper: 4 robots, then 3 to 50, beside robots alone and bounds",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
     "stereo-matching": "disparities by DP beside OpenCV's: rendered pairs, or --pair LEFT RIGHT",
+    "crowd": "every planning method, ORCA and DWA among people who react: [--people FILE ...]",
     "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
 }
 

@@ -1,0 +1,206 @@
+"""Driving among people who react, and among recorded ones who do not: every method, ORCA, DWA.
+
+The thesis's robot (Segway RMP 50, laser 1 m above the floor, 4 m, 240 degrees, 3 km/h) crosses a
+corridor, a doorway, a living room and a hall, each with people of `sim_bridge` that notice it late
+or never and step aside or not; with `--people FILE` also recorded pedestrians (ETH/UCY), who are
+replayed and see nothing of it. All methods meet the same people. The robot knows its scans and
+its odometry, which drifts; a command is sent one period after the scan it was decided on.
+
+A contact is caused by the robot if it moves faster than 0.05 m/s and the person is in its front
+half-plane or it moves into them; the others are theirs. Success: there within 60 s without a
+contact that it caused. Least distance: outline to torso. Intimate and personal space after Hall
+(1966): time with somebody within 0.45 and 1.2 m. A heading change is a turn by more than 15 deg.
+
+No method is tuned on these seeds: other ones (`--seed`) are for that.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from experiments.crowd_pictures import draw_scene
+from experiments.crowd_runs import (
+    ALL_METHODS,
+    NUM_PICTURED,
+    Outcome,
+    Task,
+    beside,
+    figures,
+    run_task,
+    scene_of,
+)
+from experiments.crowd_scenes import SCENES
+from floornav_common.reporting import Picture, Progress, Section, Table, UserError
+from sim_bridge.people.recorded import read_obsmat
+from sim_bridge.schema import WorldError
+
+NUM_RUNS, NUM_QUICK = 75, 2
+_BASE = "vfh_plus"
+_SHOWN = {
+    "success": "success", "collisions_caused": "caused", "collisions_theirs": "theirs",
+    "collisions_things": "things", "time_s": "time s", "path_ratio": "path / line",
+    "min_distance_m": "least m", "time_not_moving_s": "at rest s",
+    "longest_stop_s": "longest s", "long_stops_where_all_yield": "over 5 s",
+    "heading_changes": "turns", "intimate_s": "< 0.45 m s", "personal_s": "< 1.2 m s",
+}  # fmt: skip
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add what is special to this experiment."""
+    parser.add_argument(
+        "--people", nargs="+", default=[], metavar="FILE",
+        help="recorded pedestrians (obsmat, plain or .gz), one scene a file",
+    )  # fmt: skip
+    parser.add_argument("--fps", type=float, default=25.0, help="of their videos (default: 25)")
+    parser.add_argument(
+        "--runs", type=int, default=NUM_RUNS, metavar="N",
+        help=f"runs of each method in each scene (default: {NUM_RUNS})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--quick", action="store_true", help=f"{NUM_QUICK} runs of each only, to try it out"
+    )
+    parser.add_argument(
+        "--methods", nargs="+", choices=ALL_METHODS, default=list(ALL_METHODS), metavar="NAME",
+        help=f"which (default: all: {', '.join(ALL_METHODS)})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--scenes", nargs="*", choices=tuple(SCENES), default=list(SCENES), metavar="NAME",
+        help=f"which simulated ones (default: all: {', '.join(SCENES)}); none with no name",
+    )  # fmt: skip
+    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
+
+
+def check(args: argparse.Namespace) -> None:
+    """Refuse bad input before a folder is made."""
+    if args.runs < 1 or args.jobs < 1:
+        raise UserError(f"--runs and --jobs must be >= 1, got {args.runs} and {args.jobs}")
+    if not args.fps > 0.0:
+        raise UserError(f"--fps must be > 0, got {args.fps:g}")
+    for file in args.people:
+        try:
+            read_obsmat(Path(file).expanduser())
+        except WorldError as error:
+            raise UserError(str(error)) from error
+    if not args.scenes and not args.people:
+        raise UserError("no scene: name one with --scenes or a recording with --people")
+
+
+def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
+    """Make all runs, write pictures, and return the report."""
+    num = NUM_QUICK if args.quick else args.runs
+    places = _places(args)
+    values["runs_of_each"] = num
+    tasks = [
+        Task(scene, number, method, args.seed, people, args.fps)
+        for number in range(num)
+        for scene, people in places.items()
+        for method in args.methods
+    ]
+    outcomes: dict[Task, Outcome] = {}
+    with Progress("crowd", len(tasks), is_quiet=args.quiet) as progress:
+        for task, outcome in _done(tasks, args.jobs):
+            outcomes[task] = outcome
+            caused = sum(o.caused for o in outcomes.values())
+            note = f"{len(outcomes)} of {len(tasks)} runs, {caused} contacts caused by a robot"
+            progress.update(len(outcomes), note, is_last=len(outcomes) == len(tasks))
+            if len(outcomes) % len(args.methods) == 0:
+                values["scenes"] = _scenes(outcomes, list(places), args.methods)
+    return _sections(args, values, outcomes, places)
+
+
+def _places(args: argparse.Namespace) -> dict[str, str]:
+    """Return the file of each scene by its name; "" for the simulated ones."""
+    places = dict.fromkeys(args.scenes, "")
+    for file in args.people:
+        path = Path(file).expanduser().resolve()
+        name = path.parent.name or path.stem
+        while name in places:
+            name += "_2"
+        places[name] = str(path)
+    return places
+
+
+def _done(tasks: list[Task], jobs: int) -> Iterator[tuple[Task, Outcome]]:
+    if jobs == 1:
+        yield from ((task, run_task(task)) for task in tasks)
+        return
+    with ProcessPoolExecutor(
+        jobs, mp_context=get_context("spawn"), initializer=_one_thread
+    ) as pool:
+        try:
+            yield from zip(tasks, pool.map(run_task, tasks), strict=True)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _one_thread() -> None:
+    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+
+def _scenes(outcomes: dict[Task, Outcome], scenes: list[str], methods: list[str]) -> dict[str, Any]:
+    """Return the figures so far, as `summary.json` holds them."""
+    found: dict[str, Any] = {}
+    for scene in scenes:
+        by_number = {
+            method: {
+                task.number: outcome
+                for task, outcome in outcomes.items()
+                if (task.scene, task.method) == (scene, method)
+            }
+            for method in methods
+        }
+        own: dict[str, Any] = {}
+        for method, runs in by_number.items():
+            own[method] = figures(list(runs.values()))
+            own[method][f"beside_{_BASE}"] = (
+                beside(runs, by_number[_BASE]) if _BASE in by_number else None
+            )
+        found[scene] = {"methods": own}
+    return found
+
+
+def _sections(
+    args: argparse.Namespace, values: dict[str, Any], outcomes: dict[Task, Outcome],
+    places: dict[str, str],
+) -> list[Section]:  # fmt: skip
+    sections = []
+    header = ["method", *_SHOWN.values(), "time / VFH+", "turns / VFH+"]
+    for scene in places:
+        rows = []
+        for method, own in values["scenes"][scene]["methods"].items():
+            ratios = own[f"beside_{_BASE}"] or {}
+            cells = [own[key] for key in _SHOWN] + [
+                ratios.get(k) for k in ("time", "heading_changes")
+            ]
+            rows.append([method, *(_cell(value) for value in cells)])
+        pictures = _pictures(args, scene, places[scene], outcomes)
+        title = f"{scene.replace('_', ' ')}: {values['runs_of_each']} runs of each method"
+        sections.append(Section(title, [Table(header, rows), *pictures]))
+    return sections
+
+
+def _pictures(
+    args: argparse.Namespace, scene: str, people: str, outcomes: dict[Task, Outcome]
+) -> list[Picture]:
+    drawn = []
+    for number in range(NUM_PICTURED):
+        runs = {t.method: o for t, o in outcomes.items() if (t.scene, t.number) == (scene, number)}
+        if not runs:
+            continue
+        path = args.out_dir / f"{scene}_{number}.png"
+        task = Task(scene, number, args.methods[0], args.seed, people, args.fps)
+        draw_scene(path, scene_of(task), runs)
+        text = f"{scene}, run {number}: the robot every second (blue), people's ways (orange)."
+        drawn.append(Picture(path, text))
+    return drawn
+
+
+def _cell(value: Any) -> Any:
+    return round(value, 2) if isinstance(value, float) else value

@@ -1,0 +1,78 @@
+"""Pictures of the crowd experiment: the same run by each method, from above."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from experiments.crowd_runs import Outcome
+from experiments.crowd_scenes import Scene
+from floornav_common.se2 import SE2
+from sim_bridge.robot_model import load_robot
+from sim_bridge.solids import solids_of
+
+_COLUMNS = 3
+
+
+def draw_scene(path: Path, scene: Scene, outcomes: Mapping[str, Outcome]) -> None:
+    """Draw a run by each method: outlines every second, people's ways to the end of the drive."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    rows = -(-len(outcomes) // _COLUMNS)
+    low, high = _extent(scene)
+    height = 5.0 * (high[1] - low[1]) / (high[0] - low[0]) + 0.4
+    figure, all_axes = plt.subplots(
+        rows, _COLUMNS, figsize=(5.0 * _COLUMNS, height * rows), squeeze=False, layout="constrained"
+    )
+    outline = np.array(load_robot(scene.world.robots[0]).config.footprint_m)
+    for axes in all_axes.flat:
+        axes.set_axis_off()
+    for axes, (method, outcome) in zip(all_axes.flat, outcomes.items(), strict=False):
+        _draw_run(axes, scene, outline, outcome)
+        axes.set_xlim(low[0], high[0])
+        axes.set_ylim(low[1], high[1])
+        axes.set_aspect("equal")
+        axes.set_title(f"{method}: {_words(outcome)}", fontsize=9)
+    figure.savefig(path, dpi=80)
+    plt.close(figure)
+
+
+def _draw_run(axes, scene: Scene, outline: np.ndarray, outcome: Outcome) -> None:  # type: ignore[no-untyped-def]
+    for solid in solids_of(scene.world):
+        axes.fill(*solid.outline().T, color="0.6")
+    for track in outcome.people.values():
+        axes.plot(track[:, 1], track[:, 2], color="tab:orange", linewidth=0.6)
+        axes.scatter(track[::10, 1], track[::10, 2], s=6, color="tab:orange")
+        axes.add_patch(_circle(track[-1, 1:], scene.world.people_model.torso_radius_m))
+    for pose in outcome.track[::2]:
+        corners = SE2(*pose.tolist()) @ outline
+        axes.fill(*corners.T, fill=False, edgecolor="tab:blue", linewidth=0.6)
+    axes.plot(outcome.track[:, 0], outcome.track[:, 1], color="tab:blue", linewidth=1.2)
+    axes.plot(*scene.goal, "k+", markersize=9)
+
+
+def _circle(middle: np.ndarray, radius: float):  # type: ignore[no-untyped-def]
+    from matplotlib.patches import Circle
+
+    return Circle(tuple(middle), radius, color="tab:orange", alpha=0.5)
+
+
+def _extent(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower and the upper corner of what is shown: the drive and 2.5 m round it."""
+    ends = np.array([scene.world.robots[0].position_m, scene.goal])
+    return ends.min(axis=0) - 2.5, ends.max(axis=0) + 2.5
+
+
+def _words(outcome: Outcome) -> str:
+    """Return what came of a run, in a line."""
+    said = (
+        f"{outcome.time_s:.1f} s" if outcome.is_reached else f"not there in {outcome.time_s:.0f} s"
+    )
+    if outcome.caused or outcome.theirs:
+        said += f", touched {outcome.caused} people, {outcome.theirs} touched it"
+    return said + (f", {outcome.things} things touched" if outcome.things else "")
