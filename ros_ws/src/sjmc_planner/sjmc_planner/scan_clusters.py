@@ -55,7 +55,8 @@ def cluster_beams(  # type: ignore[no-untyped-def]
     if is_round:
         while begin < num_hits and not _is_edge(ranges, hits, num_hits, begin, step, True):
             begin += 1
-        hits[:num_hits] = np.roll(hits[:num_hits], -begin)
+        if 0 < begin < num_hits:
+            hits[:num_hits] = np.roll(hits[:num_hits], -begin)
     label, start = 0, 0
     for k in range(1, num_hits + 1):
         if k < num_hits and not _is_edge(ranges, hits, num_hits, k, step, is_round):
@@ -110,14 +111,13 @@ def _is_edge(ranges, hits, num_hits, k, step, is_round):  # type: ignore[no-unty
     """Tell whether hit k begins another thing than the hit before it."""
     num = len(ranges)
     a, b = hits[k - 1] if k > 0 else hits[num_hits - 1], hits[k]
-    apart = (b - a) % num
-    if apart > _MISSING + 1 or apart == 0:
+    apart = b - a if b > a else b - a + num
+    if apart > _MISSING + 1:
         return True
     ra, rb = ranges[a], ranges[b]
-    near = min(ra, rb)
-    across = 2.0 * np.sin(0.5 * apart * step)
-    distance2 = (rb - ra) ** 2 + ra * rb * across * across
-    allowed = _GAP + _GAP_SHARE * near + _SPACING * near * apart * step
+    near, angle = min(ra, rb), apart * step
+    distance2 = (rb - ra) ** 2 + ra * rb * angle * angle
+    allowed = _GAP + _GAP_SHARE * near + _SPACING * near * angle
     if distance2 < allowed * allowed:
         return False
     change = abs(1.0 / rb - 1.0 / ra) / apart

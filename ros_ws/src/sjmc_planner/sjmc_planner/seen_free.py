@@ -15,7 +15,10 @@ import numba
 import numpy as np
 
 from floornav_common.scan import Scan
+from sjmc_planner.free_times import _bearing
 
+# numba keeps these kernels by this file's date alone: one that changes `_bearing` has to change
+# this file too, or a kernel with the old one goes on being used.
 _NUM_KEPT = 5
 _APART_S = 0.18
 _SLACK_RAD = 0.012  # errors of bearing
@@ -113,6 +116,17 @@ def told_of(  # type: ignore[no-untyped-def]
     return told
 
 
+@numba.njit(cache=True, nogil=True, inline="always")
+def _beam_at(off, increment):  # type: ignore[no-untyped-def]
+    """Return the beam at an angle from the first one, which may be beyond the last."""
+    off = off if increment > 0.0 else -off
+    while off < -0.5 * abs(increment):
+        off += 2.0 * np.pi
+    while off >= 2.0 * np.pi - 0.5 * abs(increment):
+        off -= 2.0 * np.pi
+    return int(np.rint(off / abs(increment)))
+
+
 @numba.njit(cache=True, nogil=True)
 def _shares(  # type: ignore[no-untyped-def]
     ranges, first, last, sensor, free, poses, ages, angle_min, increment
@@ -136,15 +150,14 @@ def _shares(  # type: ignore[no-untyped-def]
             if ages[k] < _NEWEST_S or ages[k] > 2.0:
                 continue
             dx, dy = x - poses[k, 0], y - poses[k, 1]
-            off = np.arctan2(dy, dx) - poses[k, 2] - angle_min
-            off = off % (2.0 * np.pi) if increment > 0.0 else -((-off) % (2.0 * np.pi))
-            beam = int(np.rint(off / increment))
+            beam = _beam_at(_bearing(dy, dx) - poses[k, 2] - angle_min, increment)
             if beam >= num:
                 continue
-            there, margin = np.hypot(dx, dy), _MARGIN + _MARGIN_SHARE * r
+            there, margin = np.sqrt(dx * dx + dy * dy), _MARGIN + _MARGIN_SHARE * r
             if free[k, beam] > there + margin:
                 is_free = True
-            elif free[k, beam] > there - margin:
+                break
+            if free[k, beam] > there - margin:
                 is_known = True
         num_free += is_free
         num_known += is_known and not is_free

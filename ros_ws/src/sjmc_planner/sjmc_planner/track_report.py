@@ -32,10 +32,6 @@ def report(  # type: ignore[no-untyped-def]
     shown = np.empty(num, dtype=np.int64)
     thing_track = np.full(len(labels) + 1, -1)
     c, s = np.cos(base[2]), np.sin(base[2])
-    R = np.zeros((4, 4))
-    R[0, 0] = R[1, 1] = R[2, 2] = R[3, 3] = c
-    R[0, 1] = R[2, 3] = s
-    R[1, 0] = R[3, 2] = -s
     rows = 0
     for t in range(num):
         if info[t, AGE] - info[t, UNSEEN] < confirm - 1e-9:
@@ -43,8 +39,7 @@ def report(  # type: ignore[no-untyped-def]
         mean, cov = mix(means[t], covs[t], p_walks[t])
         mean[0] -= base[0]
         mean[1] -= base[1]
-        states[rows] = R @ mean
-        covs_base[rows] = R @ cov @ R.T
+        _turn(mean, cov, c, s, states[rows], covs_base[rows])
         for column in (SHAPE_A, SHAPE_B):
             shape = int(info[t, column])
             if info[t, UNSEEN] == 0.0 and shape >= 0:
@@ -54,3 +49,18 @@ def report(  # type: ignore[no-untyped-def]
     for i in range(len(labels)):
         beam_track[i] = thing_track[labels[i]] if labels[i] >= 0 else -1
     return shown[:rows]
+
+
+@numba.njit(cache=True, nogil=True)
+def _turn(mean, cov, c, s, turned, cov_turned):  # type: ignore[no-untyped-def]
+    """Write a state and its covariance seen from a frame that is turned by the angle of c, s."""
+    for i in (0, 2):
+        turned[i] = c * mean[i] + s * mean[i + 1]
+        turned[i + 1] = c * mean[i + 1] - s * mean[i]
+        for j in (0, 2):
+            xx, xy = cov[i, j], cov[i, j + 1]
+            yx, yy = cov[i + 1, j], cov[i + 1, j + 1]
+            a, b = c * xx + s * yx, c * xy + s * yy
+            d, e = c * yx - s * xx, c * yy - s * xy
+            cov_turned[i, j], cov_turned[i, j + 1] = c * a + s * b, c * b - s * a
+            cov_turned[i + 1, j], cov_turned[i + 1, j + 1] = c * d + s * e, c * e - s * d
