@@ -60,7 +60,9 @@ _LOOKS = (1.0, 0.5, 0.25)  # of look_m
 _MOST = 24  # courses looked along with each
 _SLOW, _HELD = 0.03, 0.1  # m/s
 _KEEP_GAP = 0.01  # nearer than asked for already: no nearer than this, m
+_NO_GAP = 1e-3
 _CREEP = 0.2
+_SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,7 @@ class _Moment:
     bearings: np.ndarray
     free: np.ndarray
     fastest: float
+    is_blind: bool
 
 
 class Sjmc:
@@ -137,9 +140,13 @@ class Sjmc:
         radii[len(scene.things) :] = scene.people[is_solid, 4] + config.clearance_m
         free = free_ways(bearings, points, radii, self._box.front, self._half)
         free[free + self._box.front > self._reach(goal)] = np.inf
-        free[scene.ends.unseen(bearings, robot.radius_m, 2.0 * robot.radius_m)] = 0.0
-        fastest = min(robot.speed_m_s, stopping_speed(goal.distance, robot.accel_m_s2, self._delay))
-        return _Moment(state, goal, scene, is_judged, bearings, free, fastest)
+        looked = robot.radius_m, _SEEN_M
+        free[scene.ends.unseen(bearings, *looked)] = 0.0
+        heading = np.zeros(1) if self._unicycle is not None else bearings[:1]
+        is_blind = bool(scene.ends.unseen(heading, *looked)[0])
+        room = min(goal.distance, scene.ends.horizon - self._box.front)
+        fastest = min(robot.speed_m_s, stopping_speed(room, robot.accel_m_s2, self._delay))
+        return _Moment(state, goal, scene, is_judged, bearings, free, fastest, is_blind)
 
     def _is_beside(self, course: float, scene: Scene) -> np.ndarray:
         """Tell who is not in D along a course but too near beside it, shape (N,), bool."""
@@ -155,7 +162,7 @@ class Sjmc:
 
     def _on_course(self, moment: _Moment) -> Decision | None:
         """Return the straight run, waiting included; None if something stands in its way."""
-        if moment.free[0] < self._config.look_m:
+        if moment.free[0] < self._config.look_m or moment.is_blind:
             return None
         course, ahead = moment.goal.bearing, self._in_the_way(moment.goal.bearing, moment)
         speed, seen = self._safe_speed(
@@ -196,6 +203,8 @@ class Sjmc:
                 bound = min(self._in_the_way(course, moment).bound, self._beside(course, moment))
                 stop = stopping_speed(moment.free[k], self._robot.accel_m_s2, self._delay)
                 speed, _ = self._safe_speed(course, min(bound, stop), moment)
+                if moment.is_blind and self._unicycle is not None:
+                    return self._turned(course, moment)
                 if speed > _SLOW:
                     self._side = 0 if k == 0 else 1 if k % 2 == 1 else -1
                     what = "a person who does not yield" if moment.is_judged.any() else "a thing"
@@ -205,11 +214,18 @@ class Sjmc:
     def _stuck(self, moment: _Moment) -> Decision:
         """Return what is left: creep on where that is safe, or stand."""
         speed, _ = self._safe_speed(moment.goal.bearing, _CREEP, moment)
-        reason = "no course is open"
-        if speed > _SLOW:
+        reason = "the way is not seen" if moment.is_blind else "no course is open"
+        if speed > _SLOW and not moment.is_blind:
             return Decision(self._command(moment.goal.bearing, speed), BLOCKED, reason)
         is_still = moment.state.velocity.speed < _SLOW
         return Decision(STILL, BLOCKED if is_still else BRAKING, reason)
+
+    def _turned(self, course: float, moment: _Moment) -> Decision:
+        """Return how to face a course that was seen, from one that was not: stand, then turn."""
+        reason = "the way ahead is not seen"
+        if moment.state.velocity.speed > _SLOW:
+            return Decision(STILL, BRAKING, reason)
+        return Decision(self._command(course, 0.0), TURNING, reason)
 
     def _in_the_way(self, course: float, moment: _Moment) -> InTheWay:
         args = moment.scene, moment.is_judged, self._box.front, self._half
@@ -235,16 +251,16 @@ class Sjmc:
         scene, now = moment.scene, moment.state.velocity
         for share in _SHARES if most > _SLOW else ():
             seen = self._foresight.look(
-                now, course, share * most, self._cycle.period, scene.things, scene.people
+                now, course, share * most, self._cycle.period, scene.solids, scene.people
             )
             if self._is_clear(seen, moment):
                 return share * most, seen
-        return 0.0, self._foresight.look(now, course, 0.0, 0.0, scene.things, scene.people)
+        return 0.0, self._foresight.look(now, course, 0.0, 0.0, scene.solids, scene.people)
 
     def _is_clear(self, seen: Foreseen, moment: _Moment) -> bool:
         """Tell whether a look ahead keeps its distances, or at least what there is of them."""
-        now = self._foresight.gaps(moment.scene.things, moment.scene.people)
-        thing = min(self._robot.margin_m, now.thing_gap - _KEEP_GAP)
+        now = self._foresight.gaps(moment.scene.solids, moment.scene.people)
+        thing = min(self._robot.margin_m, now.thing_gap - _NO_GAP)
         person = min(self._config.clearance_m, now.people_gap - _KEEP_GAP)
         return seen.thing_gap >= thing and seen.people_gap >= person
 

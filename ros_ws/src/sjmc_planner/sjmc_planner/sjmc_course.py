@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+_ROOM = 10.0  # m: farther is no freer
 _OTHER_SIDE = 0.5  # rad: what a change of sides costs
 
 
@@ -59,4 +60,6 @@ def preferred(bearings: np.ndarray, target: float, free: np.ndarray, side: int) 
     sides[0] = side
     step = abs(np.remainder(bearings[1] - target + np.pi, 2.0 * np.pi) - np.pi) if num > 1 else 1.0
     cost = rank + (sides != side) * (abs(side) * _OTHER_SIDE / step)
-    return np.lexsort((-free, np.round(cost, 6)))
+    room = np.minimum(free, _ROOM)
+    lean = float(room[1::2].sum() - room[2::2].sum())  # to the left of the target there is more
+    return np.lexsort((-lean * sides, -free, np.round(cost, 6)))

@@ -1,7 +1,7 @@
 """What comes of a command: the robot under its limits, among things that stand and people who walk.
 
 The robot goes on as it is for its idle time, does what is commanded for `hold`, then brakes; people
-go on at the velocity they have. Gaps are from the robot's box.
+go on at the velocity they have. Gaps are from the robot's box, or its circle if it has no box.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Foreseen:
     """What comes of a command.
 
     Attributes:
-        thing_gap: Least distance to a thing, m; 0 in it.
+        thing_gap: Least distance to a thing, m; 0 or less in it.
         people_gap: Least distance to a person's disk, m; negative in it.
         people_time: When that is, s.
     """
@@ -48,7 +48,9 @@ class Foresight:
 
     def __init__(self, robot: RobotConfig, box: Box, delay: float, until: float) -> None:
         self._limits = (robot.accel_m_s2, robot.yaw_rate_rad_s, robot.yaw_accel_rad_s2)
-        self._box = (box.front, box.rear, box.half_width)
+        is_box = robot.half_width_m > 0.0 and robot.drive == "differential"
+        self._box = (box.front, box.rear, box.half_width) if is_box else (0.0, 0.0, 0.0)
+        self._air = 0.0 if is_box else robot.radius_m
         self._times = (delay, until)
         self._is_omni = robot.drive == "omni"
 
@@ -72,12 +74,13 @@ class Foresight:
             state, self._is_omni, course, speed, hold, self._limits, delay, until, self._box,
             things, people,
         )  # fmt: skip
-        return Foreseen(*found)
+        return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
 
     def gaps(self, things: np.ndarray, people: np.ndarray) -> Foreseen:
         """Return the distances of now."""
         here = (0.0, 0.0, 0.0, 0.0, 0.0)
-        return Foreseen(*_gaps(here, self._box, 0.0, things, people, np.inf, np.inf, 0.0))
+        found = _gaps(here, self._box, 0.0, things, people, np.inf, np.inf, 0.0)
+        return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
 
 
 @numba.njit(cache=True, nogil=True)

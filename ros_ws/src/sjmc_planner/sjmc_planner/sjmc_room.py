@@ -41,7 +41,7 @@ def make_room(
         if behind <= 0.02:
             break
         hold = behind / -speed
-        seen = foresight.look(state.velocity, 0.0, speed, hold, scene.things, scene.people)
+        seen = foresight.look(state.velocity, 0.0, speed, hold, scene.solids, scene.people)
         if seen.people_gap > best:
             best, chosen = seen.people_gap, (speed, 0.0)
         if best >= config.clearance_m:
@@ -49,12 +49,14 @@ def make_room(
     if standing.people_time > config.dodge_s:
         return chosen
     for angle in _AWAY:
-        for course in (math.radians(angle), -math.radians(angle)):
-            for share in (1.0, 0.5):
-                speed = share * robot.speed_m_s
+        for share in (1.0, 0.5):
+            speed, gaps = share * robot.speed_m_s, {}
+            for course in (math.radians(angle), -math.radians(angle)):
                 seen = foresight.look(
-                    state.velocity, course, speed, _HOLD_S, scene.things, scene.people
+                    state.velocity, course, speed, _HOLD_S, scene.solids, scene.people
                 )
-                if seen.thing_gap >= robot.margin_m and seen.people_gap > best + _GAIN:
-                    best, chosen = seen.people_gap, (speed, course)
+                gaps[course] = seen.people_gap if seen.thing_gap >= robot.margin_m else -math.inf
+            course = max(gaps, key=gaps.__getitem__)
+            if gaps[course] > best + _GAIN:
+                best, chosen = gaps[course], (speed, course)
     return chosen

@@ -20,7 +20,7 @@ from sjmc_planner.people_tracker import PeopleTracker
 from sjmc_planner.planning import Obstacles, RobotState
 from sjmc_planner.tracking_config import TrackingConfig
 
-_BINS = 180  # directions of the sensor
+_BINS = 181  # directions of the sensor, as many to the left as to the right
 _KEEP_M = 1.2  # around the base: farther off what went out of view is forgotten
 _KEEP_S = 3.0
 _MOVES = 0.5  # probability
@@ -35,6 +35,7 @@ class Scene:
     Attributes:
         ends: Where the beams end.
         things: What stands, shape (M, 2), m.
+        solids: The same and what is seen of people who stand, shape (K, 2), m.
         people: Rows x, y, vx, vy, radius, shape (N, 5).
         number: Of each person, shape (N,), int.
         is_moving: Whether each is on its way, shape (N,), bool.
@@ -42,6 +43,7 @@ class Scene:
 
     ends: BeamEnds
     things: np.ndarray
+    solids: np.ndarray
     people: np.ndarray
     number: np.ndarray
     is_moving: np.ndarray
@@ -71,20 +73,24 @@ class SceneReader:
         tracks = self._tracker.update(obstacles, state.moved, self._period)
         ends = self._reader.read(obstacles)
         is_person = self._people(tracks, ends)
-        disks = np.column_stack((tracks.position, tracks.radius + _EDGE))[is_person]
-        things = _things(
-            ends.ranges, tracks.beam_track, is_person, ends.angle_min, ends.angle_increment,
-            ends.pose, disks, np.full(_BINS, np.inf),
-        )  # fmt: skip
-        rear = self._remember(state.moved, things, ends, disks)
         speed = np.hypot(tracks.velocity[:, 0], tracks.velocity[:, 1])
         moves = (tracks.is_moving > _MOVES) & (speed > _STANDS)
         rows = np.column_stack((tracks.position, tracks.velocity, tracks.radius))
         rows[~moves, 2:4] = 0.0
+        disks = np.column_stack((tracks.position, tracks.radius + _EDGE))
+        things = self._nearest(ends, tracks, is_person, disks[is_person])
+        solids = self._nearest(ends, tracks, moves, disks[moves])
+        rear = self._remember(state.moved, solids, ends, disks[moves])
         return Scene(
-            ends, np.concatenate((things, rear)), rows[is_person], tracks.number[is_person],
-            moves[is_person],
+            ends, np.concatenate((things, rear)), np.concatenate((solids, rear)), rows[is_person],
+            tracks.number[is_person], moves[is_person],
         )  # fmt: skip
+
+    def _nearest(
+        self, ends: BeamEnds, tracks: Tracks, is_left_out: np.ndarray, disks: np.ndarray
+    ) -> np.ndarray:
+        beams = ends.ranges, tracks.beam_track, is_left_out, ends.angle_min, ends.angle_increment
+        return np.asarray(_things(*beams, ends.pose, disks, np.full(_BINS, np.inf)))
 
     def _people(self, tracks: Tracks, ends: BeamEnds) -> np.ndarray:
         widths = _widths(
@@ -93,7 +99,7 @@ class SceneReader:
         return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
 
     def _remember(
-        self, moved: SE2, things: np.ndarray, ends: BeamEnds, disks: np.ndarray
+        self, moved: SE2, solids: np.ndarray, ends: BeamEnds, disks: np.ndarray
     ) -> np.ndarray:
         """Return what has gone out of view beside and behind the robot."""
         back = moved.inverse()
@@ -103,7 +109,7 @@ class SceneReader:
         points, age = points[is_kept], age[is_kept]
         beams = ends.ranges, ends.angle_min, ends.angle_increment
         is_out = _out_of_view(points, *beams, ends.pose, disks)
-        self._kept, self._age, self._last = points[is_out], age[is_out], things
+        self._kept, self._age, self._last = points[is_out], age[is_out], solids
         return self._kept
 
 
@@ -126,17 +132,18 @@ def _widths(ranges, beam_track, angle_min, step, num):  # type: ignore[no-untype
 
 
 @numba.njit(cache=True, nogil=True)
-def _things(ranges, beam_track, is_person, angle_min, step, pose, disks, nearest):  # type: ignore[no-untyped-def]
+def _things(ranges, beam_track, is_left_out, angle_min, step, pose, disks, nearest):  # type: ignore[no-untyped-def]
     """Return the nearest thing in each direction, in the base frame; `nearest` is scratch."""
     num_bins, beam = len(nearest), np.full(len(nearest), -1)
-    half = len(ranges) // 2
-    per_bin = max((len(ranges) + num_bins - 1) // num_bins, 1)
+    middle = 0.5 * (len(ranges) - 1)
+    per_bin = max(len(ranges) / (num_bins - 2), 1.0)
     for i in range(len(ranges)):
         k = beam_track[i]
-        if not np.isfinite(ranges[i]) or (k >= 0 and is_person[k]):
+        if not np.isfinite(ranges[i]) or (k >= 0 and is_left_out[k]):
             continue
-        b = min(max((i - half) // per_bin + num_bins // 2, 0), num_bins - 1)
-        if ranges[i] < nearest[b]:
+        b = int(np.rint((i - middle) / per_bin)) + num_bins // 2
+        is_first = ranges[i] == nearest[b] and abs(i - middle) < abs(beam[b] - middle)
+        if ranges[i] < nearest[b] or is_first:
             x, y = _end(ranges[i], angle_min + step * i, pose)
             if not _is_on_disk(x, y, disks):
                 nearest[b], beam[b] = ranges[i], i
