@@ -29,6 +29,7 @@ ROBOT = RobotConfig(
     idle_time_s=0.1,
 )  # fmt: skip
 NEVER_SHARE = 0.1
+_APPEARS = 3.0  # nobody begins to be recorded nearer to a robot that drives straight, m
 _APART = 0.7  # people at the start from each other, m
 
 
@@ -134,7 +135,8 @@ def recorded(path: Path, frames_per_s: float, seed: int) -> Scene:
         path: Of the `obsmat` file.
         frames_per_s: Frames of its video in a second.
         seed: Of when and where it sets out: nobody comes near its start in the first 2 s, and
-            somebody would come within 1 m of a robot that drove straight on.
+            somebody would come within 1 m of a robot that drove straight on, and nobody begins to
+            be recorded within 3 m of that.
     """
     rng = np.random.default_rng([seed, 5])
     rows = read_obsmat(path)
@@ -144,23 +146,37 @@ def recorded(path: Path, frames_per_s: float, seed: int) -> Scene:
     for _ in range(10_000):
         start, goal = _ends(rng, low, high, is_along)
         at = float(rng.uniform(times.min(), max(times.max() - 60.0, times.min() + 1.0)))
-        if _is_met(times - at, rows[:, 2:], start, goal):
+        if _is_fair(times - at, rows[:, 1], rows[:, 2:], start, goal):
             break
     recording = Recording(file=str(path), frames_per_s=frames_per_s, starts_s=at)
     scene = _scene(path.parent.name or path.stem, [], tuple(start), tuple(goal))
     return Scene(replace(scene.world, recorded_people=recording), scene.goal, False)
 
 
-def _is_met(times: np.ndarray, places: np.ndarray, start: np.ndarray, goal: np.ndarray) -> bool:
-    """Tell whether nobody is at the start, and somebody is met on the straight way."""
+def _is_fair(
+    times: np.ndarray, numbers: np.ndarray, places: np.ndarray, start: np.ndarray, goal: np.ndarray
+) -> bool:
+    """Tell whether a drive meets somebody, and nobody begins to be recorded right before it.
+
+    Args:
+        times: Of all rows, from when the robot sets out, shape (N,), s.
+        numbers: Whose they are, shape (N,).
+        places: Where they are, shape (N, 2), m.
+        start: Of the robot, shape (2,), m.
+        goal: Of the robot, shape (2,), m.
+    """
     is_soon = (times > -0.5) & (times < 2.0)
     if np.hypot(*(places[is_soon] - start).T).min(initial=math.inf) < 1.3:
         return False
     length = float(np.hypot(*(goal - start)))
+    share = np.clip(times[:, None] * ROBOT.speed_m_s / length, 0.0, 1.0)
+    off = np.hypot(*(places - (start + share * (goal - start))).T)
     is_then = (times > 2.0) & (times < length / ROBOT.speed_m_s)
-    share = times[is_then, None] * ROBOT.speed_m_s / length
-    off = places[is_then] - (start + share * (goal - start))
-    return bool(np.hypot(*off.T).min(initial=math.inf) < 1.0)
+    if off[is_then].min(initial=math.inf) >= 1.0:
+        return False
+    firsts = np.unique(numbers, return_index=True)[1]
+    appears = firsts[(times[firsts] > 0.0) & (times[firsts] < 2.0 * length / ROBOT.speed_m_s)]
+    return bool(off[appears].min(initial=math.inf) > _APPEARS)
 
 
 def _ends(
