@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 
 from floornav_common.config import param, validate
+from floornav_common.scan import Scan
 from grid_mapper.bayes_config import BayesConfig
+from grid_mapper.loop_config import LoopConfig as LoopConfig
 from grid_mapper.node_config import GridMapperNodeConfig as GridMapperNodeConfig
 from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
 
@@ -198,6 +200,11 @@ class GridMapperConfig:
     keepout_margin_m: float = param(
         0.3, "How far the saved keepout mask reaches round glass.", unit="m", ge=0.0, le=5.0
     )
+    loop_closing: bool = param(
+        False, "Close loops: match to what was seen lately, and correct all poses by a pose graph.",
+        read_only=True,
+    )  # fmt: skip
+    loop: LoopConfig = field(default_factory=LoopConfig)
     match_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     map_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
@@ -210,3 +217,9 @@ class GridMapperConfig:
 
     def __post_init__(self) -> None:
         validate(self)
+
+    def clipped(self, scan: Scan) -> Scan:
+        """Return the scan with these range limits beside its own."""
+        low = max(scan.range_min, self.min_range_m)
+        high = min(scan.range_max, self.max_range_m)
+        return replace(scan, range_min=low, range_max=high)

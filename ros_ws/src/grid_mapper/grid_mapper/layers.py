@@ -96,11 +96,13 @@ class LayeredMapper:
         """
         result = self.laser.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
         if result.is_trusted:
-            T_map_laser = result.T_map_base @ T_base_laser
-            self._fusion.add_scan(self.laser.clipped(scan), T_map_laser, stamp_ns)
-            self._history.add(stamp_ns, result.T_map_base)
-            self._place_waiting()
+            self._took_scan(stamp_ns, scan, T_base_laser, result.T_map_base)
         return result
+
+    def follow_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
+        """Map one scan at a known pose, and place the readings that waited for it."""
+        self.laser.place_scan(stamp_ns, scan, T_base_laser, T_map_base)
+        self._took_scan(stamp_ns, scan, T_base_laser, T_map_base)
 
     def insert_range(
         self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str
@@ -192,6 +194,11 @@ class LayeredMapper:
     def num_bytes(self) -> int:
         """Bytes held by the localizer, the published grids and the fusion."""
         return self.laser.num_bytes + self._sonar.num_bytes + self._fusion.num_bytes
+
+    def _took_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
+        self._fusion.add_scan(self.laser.clipped(scan), T_map_base @ T_base_laser, stamp_ns)
+        self._history.add(stamp_ns, T_map_base)
+        self._place_waiting()
 
     def _empty_layers(self) -> None:
         self.sonar_counts = SonarCounts()

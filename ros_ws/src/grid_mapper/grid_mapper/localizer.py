@@ -35,6 +35,7 @@ class ScanResult:
         reason: Why it was refused; "" if trusted.
         overlap: Share of the scan's points that found the map, 0..1; 1 for the first scan.
         note: What a trusted match does not say, such as the way along a corridor; "" if nothing.
+        information: Of the match alone, (x, y, yaw) in map axes, shape (3, 3); None without one.
     """
 
     T_map_base: SE2
@@ -43,6 +44,7 @@ class ScanResult:
     reason: str
     overlap: float
     note: str = ""
+    information: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -64,11 +66,20 @@ class _Step:
 class ScanLocalizer:
     """Turns scans into poses in the map that they make."""
 
-    def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
-        """Start knowing nothing; `T_map_start` is the first pose, the map's origin by default."""
+    def __init__(
+        self, config: GridMapperConfig, T_map_start: SE2 | None = None,
+        matcher: ScanMatcher | None = None,
+    ) -> None:  # fmt: skip
+        """Start knowing nothing.
+
+        Args:
+            config: Its values.
+            T_map_start: The first pose, the map's origin by default.
+            matcher: Holds the map to match to; by default one of all key scans.
+        """
         self.config = config
         self._T_map_start = T_map_start or SE2.identity()
-        self._matcher = ScanMatcher(config.matcher)
+        self._matcher = matcher or ScanMatcher(config.matcher)
         self._start_cov: np.ndarray | None = None
         self._first_pose: SE2 | None = None
         self._guesses: list[SE2] = []  # where the robot may be after a jump; empty if it knows
@@ -91,7 +102,7 @@ class ScanLocalizer:
             T_base_laser: Pose of the laser on the robot.
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
-        points = self._points(scan, T_base_laser)
+        points = self.surface_points(scan, T_base_laser)
         if self._is_reset(stamp_ns, T_odom_base):
             self.break_motion()
         moved, cov_moved, dt = self._motion(stamp_ns, T_odom_base)
@@ -142,7 +153,8 @@ class ScanLocalizer:
         """Bytes held by the map to match to."""
         return self._matcher.num_bytes
 
-    def _points(self, scan: Scan, T_base_laser: SE2) -> SurfacePoints:
+    def surface_points(self, scan: Scan, T_base_laser: SE2) -> SurfacePoints:
+        """Return the points of a scan in the base frame, as they are matched."""
         matcher = self.config.matcher
         points_laser = scan.points()
         points = surface_points(
@@ -198,7 +210,8 @@ class ScanLocalizer:
             return ScanResult(T_pred, cov, False, reason, match.overlap), near
         cov = np.linalg.inv(np.linalg.inv(cov) + match.information)
         note = self._undetermined(match)
-        return ScanResult(match.T_map_base, cov, True, "", match.overlap, note), near
+        pose, information = match.T_map_base, match.information
+        return ScanResult(pose, cov, True, "", match.overlap, note, information), near
 
     def _search(self, points: SurfacePoints, moved: SE2) -> ScanResult:
         """Look for the robot where it may be; believe only a scan that fits the map well."""
@@ -209,7 +222,7 @@ class ScanLocalizer:
         if self._is_found(best):
             self._guesses = []
             cov = np.linalg.inv(np.linalg.inv(cov) + best.information)
-            return ScanResult(best.T_map_base, cov, True, "", best.overlap)
+            return ScanResult(best.T_map_base, cov, True, "", best.overlap, "", best.information)
         reason = f"time or odometry jumped, and {100 * best.overlap:.0f} % of the scan fits the map"
         return ScanResult(self._guesses[0], cov, False, reason, best.overlap)
 

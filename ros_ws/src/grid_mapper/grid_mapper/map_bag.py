@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,10 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.config_file import load_mapper_config
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.loop_run import loop_figures, run_closing
 from grid_mapper.map_results import SUMMARY_KEYS, MapInputs, write_results
 from grid_mapper.map_run import MapRun, run_mapper
+from grid_mapper.pose_graph import load_solver
 from grid_mapper.recordings import (
     Recording,
     RecordingError,
@@ -46,8 +49,10 @@ def main(argv: list[str] | None = None) -> int:
         if args.list:
             say("\n".join(describe_recording(args.recording, options)))
             return 0
-        inputs, mapper = _inputs(args), LayeredMapper(config)
+        inputs = _inputs(args)
         recording = open_recording(args.recording, options)
+        if config.loop_closing:
+            load_solver()
     except (RecordingError, ValueError, OSError) as error:
         raise UserError(" ".join(str(error).split())) from error
     for line in recording.info:
@@ -55,7 +60,7 @@ def main(argv: list[str] | None = None) -> int:
     out = reporting.open_out_dir(COMMAND, _name(args.recording), args.out)
     values: dict[str, Any] = dict.fromkeys(SUMMARY_KEYS)
     with reporting.summary(out, command=COMMAND, seed=args.seed, values=values) as summary:
-        run = _run(args, recording, mapper)
+        run, mapper = _run(args, recording, options, config, summary)
         inputs.format, inputs.info = recording.format, tuple(recording.info)
         text = write_results(out, inputs, recording, run, mapper, summary)
     say(text, is_quiet=args.quiet)
@@ -185,18 +190,37 @@ def _inputs(args: argparse.Namespace) -> MapInputs:
     )
 
 
-def _run(args: argparse.Namespace, recording: Recording, mapper: LayeredMapper) -> MapRun:
+def _run(
+    args: argparse.Namespace, recording: Recording, options: RecordingOptions,
+    config: GridMapperConfig, summary: dict[str, Any],
+) -> tuple[MapRun, LayeredMapper]:  # fmt: skip
+    """Map the recording; with loops closed that takes two passes."""
     total = recording.num_scans
     if args.max_scans is not None:
         total = min(total, args.max_scans) if total is not None else args.max_scans
-    with Progress("mapping", total, is_quiet=args.quiet) as progress:
+    if not (config.loop_closing and recording.has_laser):
+        mapper = LayeredMapper(config)
+        with Progress("mapping", total, is_quiet=args.quiet) as progress:
+            return run_mapper(recording, mapper, args.max_scans, _shown(progress, total)), mapper
+    passes = 2 * total if total is not None else None
+    with Progress("mapping", passes, is_quiet=args.quiet) as progress:
+        closed = run_closing(
+            recording, lambda: open_recording(args.recording, options), config, args.max_scans,
+            (_shown(progress, passes), _shown(progress, passes, total or 0)),
+        )  # fmt: skip
+    summary.update(loop_figures(closed.closer))
+    return closed.run, closed.mapper
 
-        def on_scan(run: MapRun) -> None:
-            done = len(run.trajectory)
-            note = f"{done} scans, {len(run.untrusted)} not trusted"
-            progress.update(done, note, is_last=done == total)
 
-        return run_mapper(recording, mapper, args.max_scans, on_scan)
+def _shown(progress: Progress, total: int | None, before: int = 0) -> Callable[[MapRun], None]:
+    """Return what shows the progress of a run, behind `before` scans of another."""
+
+    def on_scan(run: MapRun) -> None:
+        done = before + len(run.trajectory)
+        note = f"{len(run.trajectory)} scans, {len(run.untrusted)} not trusted"
+        progress.update(done, note, is_last=done == total)
+
+    return on_scan
 
 
 def _name(path: Path) -> str:

@@ -66,6 +66,8 @@ def screen_text(summary: dict[str, Any]) -> str:
             f"time per scan: median {s['ms_median']:.2f} ms, p99 {s['ms_p99']:.2f} ms;"
             f" memory at most {s['peak_mb']:.0f} MB"
         )
+    if s["loops"] is not None:
+        lines.append(_loop_line(s))
     odd = {
         "without transform": s["scans_without_transform"], "stamps going back":
         s["stamps_backwards"], "stamps repeated": s["stamps_repeated"], "jumps back in time":
@@ -79,6 +81,14 @@ def screen_text(summary: dict[str, Any]) -> str:
     if s["ate_m"] is not None:
         lines.append(f"ATE {s['ate_m']:.4f} m, RPE {s['rpe_m']:.4f} m ({s['gt_poses']} poses)")
     return "\n".join(lines)
+
+
+def _loop_line(s: dict[str, Any]) -> str:
+    reasons = ", ".join(f"{reason} {num}" for reason, num in s["loops_refused"].items())
+    return (
+        f"loops closed: {s['loops']} between {s['nodes']} nodes; refused"
+        f" {sum(s['loops_refused'].values())}{f' ({reasons})' if reasons else ''}"
+    )
 
 
 def _sonar_line(s: dict[str, Any]) -> str:

@@ -30,7 +30,8 @@ SUMMARY_KEYS = (
     "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
     "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
     "relations_used", "relations_total", "relations_worst", "ate_m", "rpe_m", "gt_poses",
-    "ms_median", "ms_p99", "ms_per_range_median", "ms_per_range_p99", "peak_mb",
+    "nodes", "loops", "loops_refused", "ms_median", "ms_p99", "ms_max", "real_time_factor",
+    "ms_per_range_median", "ms_per_range_p99", "peak_mb",
     "input", "input_format", "input_info", "problem",
 )  # fmt: skip
 NO_MAP = "no scan had enough points to begin a map"
@@ -161,12 +162,20 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
         "duration_s": (max(stamps) - min(stamps)) * 1e-9 if stamps else 0.0,
         "ms_median": run.ms_quantile(0.5),
         "ms_p99": run.ms_quantile(0.99),
+        "ms_max": run.ms_quantile(1.0),
+        "real_time_factor": _real_time_factor(stamps, run),
         "peak_mb": round(peak_memory_mb(), 1),
         "input": inputs.name,
         "input_format": inputs.format,
         "input_info": list(inputs.info),
         "problem": recording.problem,
     }
+
+
+def _real_time_factor(stamps: list[int], run: MapRun) -> float | None:
+    """Return the time that was recorded over the time that the mapper took."""
+    took = 1e-3 * (sum(run.scan_ms) + sum(run.range_ms))
+    return (max(stamps) - min(stamps)) * 1e-9 / took if stamps and took > 0.0 else None
 
 
 def _compare_truth(run: MapRun, truth: Trajectory, summary: dict[str, Any]) -> None:

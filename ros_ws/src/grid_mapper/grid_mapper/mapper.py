@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from floornav_common.grid import OccupancyMap
@@ -92,9 +90,7 @@ class GridMapper:
 
     def clipped(self, scan: Scan) -> Scan:
         """Return the scan with the configured range limits beside its own."""
-        low = max(scan.range_min, self.config.min_range_m)
-        high = min(scan.range_max, self.config.max_range_m)
-        return replace(scan, range_min=low, range_max=high)
+        return self.config.clipped(scan)
 
     def _map(self, stamp_ns: int, scan: Scan, T_map_base: SE2, T_base_laser: SE2) -> None:
         """Add a key scan to the grid."""

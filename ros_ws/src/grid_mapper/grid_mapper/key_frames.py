@@ -1,0 +1,101 @@
+"""Key frames: the scans that the pose graph's nodes stand for, and places made of several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import MotionConfig
+from grid_mapper.motion import odometry_motion, rotated
+from grid_mapper.surface_points import SurfacePoints
+
+MAX_POINTS = 400
+"""Points kept of a frame: more change no match by as much as it is uncertain."""
+
+
+@dataclass(frozen=True)
+class KeyFrame:
+    """A scan that a node of the graph stands for.
+
+    Attributes:
+        stamp_ns: Of the scan.
+        T_local_base: Pose by the front end, in its frame, which drifts and never jumps.
+        information: Of the match that gave the pose, (x, y, yaw) in local axes, shape (3, 3).
+        points: Surface points in the base frame.
+        scan: The scan, for what it sees through.
+        T_base_laser: Pose of the laser on the robot.
+    """
+
+    stamp_ns: int
+    T_local_base: SE2
+    information: np.ndarray
+    points: SurfacePoints
+    scan: Scan
+    T_base_laser: SE2
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A measured motion between two nodes.
+
+    Attributes:
+        first: Number of the node it is seen from.
+        second: Number of the node that is seen.
+        T_first_second: The motion.
+        cov: Of (x, y, yaw) in the axes of the second node, shape (3, 3), SI.
+        is_loop: False for the chain of motions from node to node.
+    """
+
+    first: int
+    second: int
+    T_first_second: SE2
+    cov: np.ndarray
+    is_loop: bool
+
+
+def chain_edge(
+    number: int, before: KeyFrame, frame: KeyFrame, motion: MotionConfig,
+    drift: tuple[float, float],
+) -> Edge:  # fmt: skip
+    """Return the motion from the frame before, as odometry and the match together know it.
+
+    Args:
+        number: Of the second node; the first is the one before.
+        before: Frame of the first node.
+        frame: Frame of the second node.
+        motion: Says how far odometry can be trusted.
+        drift: Deviation (m, rad) added to what the match says.
+    """
+    moved = before.T_local_base.between(frame.T_local_base)
+    cov = rotated(odometry_motion(moved, motion), before.T_local_base.yaw)
+    cov = np.linalg.inv(np.linalg.inv(cov) + frame.information)
+    cov = rotated(cov, -frame.T_local_base.yaw) + np.diag([drift[0], drift[0], drift[1]]) ** 2
+    return Edge(number - 1, number, moved, cov, is_loop=False)
+
+
+def thinned(points: SurfacePoints) -> SurfacePoints:
+    """Return at most MAX_POINTS of the points, evenly taken."""
+    return points.every(max(1, -(-len(points) // MAX_POINTS)))
+
+
+def place_of(
+    frames: Sequence[KeyFrame], poses: Sequence[SE2], numbers: Sequence[int], center: int
+) -> SurfacePoints:
+    """Return the points of several frames in the frame of one of them.
+
+    Args:
+        frames: All frames.
+        poses: Their poses in one frame.
+        numbers: Which make up the place.
+        center: The one whose axes are used.
+    """
+    parts = [frames[k].points.moved(poses[center].between(poses[k])) for k in numbers]
+    return SurfacePoints(
+        np.concatenate([part.points for part in parts]),
+        np.concatenate([part.covs for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+    )

@@ -1,0 +1,114 @@
+"""Closes loops: takes key frames one after the other, keeps the graph, says where all nodes are."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.key_frames import Edge, KeyFrame, chain_edge
+from grid_mapper.loop_candidates import Candidate, loop_candidates
+from grid_mapper.loop_verification import agree, verify
+from grid_mapper.pose_graph import deviations, solve
+
+MAX_DEVIATIONS = 5.0
+"""A loop that the solved graph is further from is taken out again."""
+MAX_PENDING = 20
+CONFIRM_WAY_M = 0.3
+"""Way between two loops that confirm each other, at least."""
+
+
+class LoopCloser:
+    """The pose graph and its loops.
+
+    Attributes:
+        frames: Of all nodes.
+        poses: Of all nodes in the map.
+        edges: The graph's.
+        refused: Candidates that were no loops, by reason.
+    """
+
+    def __init__(self, config: GridMapperConfig) -> None:
+        self.config = config
+        self.frames: list[KeyFrame] = []
+        self.poses: list[SE2] = []
+        self.edges: list[Edge] = []
+        self.refused: Counter[str] = Counter()
+        self._ways: list[float] = []
+        self._pending: list[Edge] = []
+        self._searched_way = -np.inf
+
+    @property
+    def num_loops(self) -> int:
+        """Loops in the graph."""
+        return sum(edge.is_loop for edge in self.edges)
+
+    def add(self, frame: KeyFrame) -> bool:
+        """Take the next key frame; tell whether poses of earlier ones have changed."""
+        self._append(frame)
+        loop = self.config.loop
+        if not self.edges:
+            return False
+        if self._ways[-1] - self._searched_way < loop.search_distance_m:
+            return False
+        self._searched_way = self._ways[-1]
+        candidates = loop_candidates(self.poses, self.edges, np.array(self._ways), loop)
+        found = [edge for candidate in candidates for edge in self._compare(candidate)]
+        if not found:
+            return False
+        self.edges += found
+        self._solve()
+        return True
+
+    def _append(self, frame: KeyFrame) -> None:
+        if not self.frames:
+            self.poses.append(frame.T_local_base)
+            self._ways.append(0.0)
+        else:
+            loop = self.config.loop
+            drift = loop.drift_m, loop.drift_rad
+            number = len(self.frames)
+            edge = chain_edge(number, self.frames[-1], frame, self.config.motion, drift)
+            self.edges.append(edge)
+            self.poses.append(self.poses[-1] @ edge.T_first_second)
+            self._ways.append(self._ways[-1] + edge.T_first_second.distance)
+        self.frames.append(frame)
+
+    def _compare(self, candidate: Candidate) -> list[Edge]:
+        """Return the loops that this candidate brings: none, itself, or itself and one before."""
+        loop = self.config.loop
+        verdict = verify(self.frames, self.poses, candidate, loop, self.config.matcher)
+        edge = verdict.edge
+        if edge is None:
+            self.refused[verdict.reason] += 1
+            return []
+        if candidate.sigma_m <= loop.sure_sigma_m:
+            return [edge]
+        way = self._ways[edge.second]
+        confirmed = [
+            other
+            for other in self._pending
+            if way - self._ways[other.second] >= CONFIRM_WAY_M
+            and agree(other, edge, self.poses, loop)
+        ]
+        if not confirmed:
+            self._pending = [*self._pending, edge][-MAX_PENDING:]
+            return []
+        self._pending = [other for other in self._pending if other not in confirmed]
+        return [*confirmed, edge]
+
+    def _solve(self) -> None:
+        """Solve the graph; take out what does not fit, and solve again."""
+        kernel = self.config.loop.kernel
+        self.poses = solve(self.poses, self.edges, kernel)
+        kept = [
+            edge
+            for edge in self.edges
+            if not edge.is_loop or deviations(edge, self.poses) < MAX_DEVIATIONS
+        ]
+        if len(kept) < len(self.edges):
+            self.refused["does not fit the graph"] += len(self.edges) - len(kept)
+            self.edges = kept
+            self.poses = solve(self.poses, self.edges, kernel)

@@ -1,0 +1,137 @@
+"""Poses with loops closed: a front end that never jumps, and a graph that corrects it.
+
+The front end fits each scan to what was seen lately, so its frame drifts; key frames go to the
+graph, and a scan's pose in the map is that of the nodes round it, moved on by the front end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floornav_common.readings import RangeReading
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig, KeyScanConfig
+from grid_mapper.key_frames import KeyFrame, thinned
+from grid_mapper.key_scans import KeyScans
+from grid_mapper.localizer import ScanLocalizer, ScanResult
+from grid_mapper.loop_closer import LoopCloser
+from grid_mapper.recent_scans import RecentScanMatcher
+from grid_mapper.scan_matcher import offset
+
+NO_NODE = -1
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """A scan's pose by the front end, and the newest node then; `NO_NODE` before the first."""
+
+    T_local_base: SE2
+    node: int
+    is_trusted: bool
+    reason: str
+
+
+@dataclass(frozen=True)
+class KnownPose:
+    """Where a scan was taken, as all scans together say.
+
+    Attributes:
+        T_map_base: Pose of the robot.
+        is_trusted: False where the scan's match was refused.
+        reason: Why.
+    """
+
+    T_map_base: SE2
+    is_trusted: bool
+    reason: str
+
+
+class LoopClosingLocalizer:
+    """Localizes scans and closes loops; sonars are passed over, the grids are made afterwards.
+
+    Attributes:
+        closer: The graph.
+    """
+
+    def __init__(self, config: GridMapperConfig) -> None:
+        self.config, loop = config, config.loop
+        matcher = RecentScanMatcher(config.matcher, loop.recent_scans)
+        self._front = ScanLocalizer(config, matcher=matcher)
+        self._key = KeyScanConfig(
+            distance_m=loop.node_distance_m, turn_rad=loop.node_turn_rad, period_s=0.0
+        )
+        self._keys = KeyScans()
+        self._followed: list[_Followed] = []
+        self.closer = LoopCloser(config)
+
+    def insert_scan(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> ScanResult:
+        """Localize one scan; see `ScanLocalizer.localize`. The pose is in the front end's frame."""
+        scan = self.config.clipped(scan)
+        result = self._front.localize(stamp_ns, scan, T_base_laser, T_odom_base)
+        pose = result.T_map_base
+        if result.is_trusted and self._keys.take(stamp_ns, pose, self._key):
+            self.closer.add(self._frame(stamp_ns, scan, T_base_laser, result))
+        node = len(self.closer.frames) - 1
+        self._followed.append(_Followed(pose, node, result.is_trusted, result.reason))
+        return result
+
+    def insert_range(
+        self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str
+    ) -> None:
+        """Pass a reading over: it moves no pose."""
+
+    def place_range(
+        self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str, T_map_base: SE2
+    ) -> None:
+        """Pass a reading over."""
+
+    def break_motion(self) -> None:
+        """Go on after time or odometry jumped; see `ScanLocalizer.break_motion`."""
+        self._front.break_motion()
+
+    def known_poses(self) -> list[KnownPose]:
+        """Return the pose of every scan so far, as the graph has it now."""
+        return [
+            KnownPose(self._corrected(scan), scan.is_trusted, scan.reason)
+            for scan in self._followed
+        ]
+
+    def _frame(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, result: ScanResult) -> KeyFrame:
+        information = result.information
+        return KeyFrame(
+            stamp_ns,
+            result.T_map_base,
+            np.zeros((3, 3)) if information is None else information,
+            thinned(self._front.surface_points(scan, T_base_laser)),
+            scan,
+            T_base_laser,
+        )
+
+    def _corrected(self, scan: _Followed) -> SE2:
+        """Return a pose in the map: the corrections of the nodes round it, by nearness."""
+        frames, poses = self.closer.frames, self.closer.poses
+        if scan.node == NO_NODE:
+            return scan.T_local_base
+        before = _moved_on(frames[scan.node], poses[scan.node], scan.T_local_base)
+        if scan.node + 1 == len(frames):
+            return before
+        after = _moved_on(frames[scan.node + 1], poses[scan.node + 1], scan.T_local_base)
+        share = _share(frames[scan.node], frames[scan.node + 1], scan.T_local_base)
+        return before.interpolate(after, share)
+
+
+def _moved_on(frame: KeyFrame, pose: SE2, T_local_base: SE2) -> SE2:
+    """Return where the front end's motion leads from a node."""
+    return pose @ frame.T_local_base.between(T_local_base)
+
+
+def _share(before: KeyFrame, after: KeyFrame, pose: SE2) -> float:
+    """Return how far from one node to the next a pose is, 0..1; m and rad count alike."""
+    gone = float(np.linalg.norm(offset(before.T_local_base, pose)))
+    left = float(np.linalg.norm(offset(pose, after.T_local_base)))
+    return gone / (gone + left) if gone + left > 0.0 else 0.0

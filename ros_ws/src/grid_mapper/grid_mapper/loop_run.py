@@ -1,0 +1,72 @@
+"""A mapping run with loops closed: the recording once for the poses, once more for the grids."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.layers import LayeredMapper
+from grid_mapper.loop_closer import LoopCloser
+from grid_mapper.loop_localizer import LoopClosingLocalizer
+from grid_mapper.map_rebuild import MapRebuild
+from grid_mapper.map_run import MapRun, run_mapper
+from grid_mapper.pose_graph import load_solver
+from grid_mapper.recordings import Recording
+
+OnScan = Callable[[MapRun], None]
+
+
+@dataclass(frozen=True)
+class ClosedRun:
+    """What a run with loops closed has found.
+
+    Attributes:
+        run: Its trajectory is that of the solved graph.
+        mapper: Holds the grids.
+        closer: Holds the graph.
+    """
+
+    run: MapRun
+    mapper: LayeredMapper
+    closer: LoopCloser
+
+
+def run_closing(
+    recording: Recording,
+    open_again: Callable[[], Recording],
+    config: GridMapperConfig,
+    max_scans: int | None,
+    on_scan: tuple[OnScan, OnScan],
+) -> ClosedRun:
+    """Localize a recording with loops closed, then make the grids at the poses found.
+
+    Args:
+        recording: Its events are taken.
+        open_again: Opens the same recording.
+        config: Of the mapper.
+        max_scans: Stop after so many; None for all.
+        on_scan: Called after each scan of the first and of the second time.
+
+    Raises:
+        ValueError: If the graph's solver is not installed.
+    """
+    load_solver()
+    localizer, mapper = LoopClosingLocalizer(config), LayeredMapper(config)
+    found = run_mapper(recording, localizer, max_scans, on_scan[0])
+    poses = localizer.known_poses()
+    run = run_mapper(open_again(), MapRebuild(mapper, poses), len(poses), on_scan[1])
+    run.is_interrupted |= found.is_interrupted
+    both = zip(found.scan_ms, run.scan_ms, strict=False)
+    run.scan_ms = [first + second for first, second in both]
+    return ClosedRun(run, mapper, localizer.closer)
+
+
+def loop_figures(closer: LoopCloser) -> dict[str, Any]:
+    """Return what became of the loops, by summary key."""
+    return {
+        "nodes": len(closer.frames),
+        "loops": closer.num_loops,
+        "loops_refused": dict(sorted(closer.refused.items())),
+    }
