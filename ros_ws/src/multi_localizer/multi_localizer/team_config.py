@@ -72,7 +72,7 @@ class TeamConfig:
     max_lost: int = param(10, "So many of them are looked for at once, the worst ones.", ge=1)
     max_searches: int = param(4, "Robots are looked for anew so many times.", ge=0, le=100)
     soft_rounds: int = param(
-        40, "In a crowd poses are fitted so many times to soft beliefs.", ge=1, le=1000
+        24, "In a crowd poses are fitted so many times to soft beliefs.", ge=1, le=1000
     )
     soft_heat: float = param(
         8.0, "In a crowd innovations are at first so much wider than their covariance says.",
@@ -80,11 +80,11 @@ class TeamConfig:
     )  # fmt: skip
     soft_cold: float = param(2.5, "As `soft_heat`, in the end.", ge=1.0)
     confirmed_share: float = param(
-        0.7, "In a crowd a robot of whose bearings less than this share is returned is looked for "
+        0.65, "In a crowd a robot of whose bearings less than this share is returned is looked for "
         "anew.", ge=0.0, le=1.0,
     )  # fmt: skip
     crowd_searches: int = param(
-        6, "In a crowd robots are looked for anew so many times.", ge=0, le=100
+        12, "In a crowd robots are looked for anew so many times.", ge=0, le=100
     )
     liar_share: float = param(
         0.5, "Bearings of a robot of which less than this share fits anybody are left out.",

@@ -64,6 +64,42 @@ def fit_poses(
     return TeamFit(x, cov, float(cost))
 
 
+def step_poses(
+    problem: TeamProblem, poses: np.ndarray, seen: np.ndarray, mark_seen: np.ndarray,
+    prior_weight: np.ndarray, limit: float,
+) -> TeamFit:  # fmt: skip
+    """Go one step of Gauss and Newton towards the fit; arguments as in `fit_poses`.
+
+    The covariance is that of the poses the step started from.
+    """
+    x, cov, cost = step(
+        poses, problem.start, problem.bearings, problem.var, seen,
+        problem.mark_robot, problem.mark_bearing, problem.mark_var, problem.marks, mark_seen,
+        problem.prior, problem.prior_info, prior_weight, limit,
+    )  # fmt: skip
+    return TeamFit(x, cov, float(cost))
+
+
+@numba.njit(cache=True)
+def step(
+    poses: np.ndarray, start: np.ndarray, bearings: np.ndarray, var: np.ndarray, seen: np.ndarray,
+    mark_robot: np.ndarray, mark_bearing: np.ndarray, mark_var: np.ndarray, marks: np.ndarray,
+    mark_seen: np.ndarray, prior: np.ndarray, prior_info: np.ndarray, prior_weight: np.ndarray,
+    limit: float,
+) -> tuple[np.ndarray, np.ndarray, float]:  # fmt: skip
+    """Return poses a step on, covariance and cost before it; arguments as in `solve`."""
+    size = 3 * len(poses)
+    H, L, g = np.zeros((size, size)), np.zeros((size, size)), np.zeros(size)
+    cost = normal_equations(
+        H, g, poses, start, bearings, var, seen, mark_robot, mark_bearing, mark_var, marks,
+        mark_seen, prior, prior_info, prior_weight, limit,
+    )  # fmt: skip
+    while not cholesky(H, L):
+        for k in range(size):
+            H[k, k] *= 1.0 + 1e-9
+    return moved(poses, solve_cholesky(L, -g)), inverse_cholesky(L), cost
+
+
 @numba.njit(cache=True)
 def solve(
     poses: np.ndarray, start: np.ndarray, bearings: np.ndarray, var: np.ndarray, seen: np.ndarray,

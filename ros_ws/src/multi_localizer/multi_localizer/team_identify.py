@@ -66,7 +66,7 @@ def refine(
     """Go on from poses that are known somehow, round by round, until nothing changes."""
     level = 0
     for turn in range(max_rounds):
-        weighed = _believe(problem, state, config)
+        weighed = believe(problem, state, config)
         seen = choose(weighed.owner, weighed.belief, state.seen, _LEVELS[level], config.new_share)
         marks = find_marks(problem, state.fit, config)
         num_changed = np.sum(seen != state.seen) + np.sum(marks != state.mark_seen)
@@ -83,8 +83,14 @@ def refine(
     return state
 
 
-def _believe(problem: TeamProblem, state: Identification, config: TeamConfig) -> Identification:
+def believe(
+    problem: TeamProblem, state: Identification, config: TeamConfig,
+    is_there: np.ndarray | None = None,
+) -> Identification:  # fmt: skip
+    """Return who is who at poses as they are, among those robots that are there, (N,) bool."""
     visible = visibility(state.fit.poses, state.fit.cov, config.body_radius_m, config.least_visible)
+    if is_there is not None:
+        visible *= np.outer(is_there, is_there)
     candidates, counts, likelihoods = pair_likelihoods(
         state.fit.poses, state.fit.cov, problem.start, problem.bearings, problem.var,
         problem.known, state.seen, state.limit, visible, config.gate_sd, config.detected_share,

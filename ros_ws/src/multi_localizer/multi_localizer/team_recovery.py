@@ -28,6 +28,7 @@ _LEAST_PLACED = 2
 _LITTLE = 0.8  # share of its bearings: a robot that explains less may be anywhere
 _SURE = 0.8
 _PLACED_SD = 0.6  # m; robots known worse help nobody
+_GRID_COV = np.diag(np.square((0.08, 0.08, 0.03)))
 
 
 def explained_share(problem: TeamProblem, found: Identification) -> np.ndarray:
@@ -42,12 +43,13 @@ def returned_share(problem: TeamProblem, found: Identification) -> np.ndarray:
     """Return the share of each robot's bearings whose owner surely has one back, (N,)."""
     counts = np.diff(problem.start)
     owners = np.repeat(np.arange(problem.num_robots), counts)
-    returned = np.bincount(owners[_returned(problem, found) >= 0], minlength=problem.num_robots)
-    return returned / np.maximum(counts, 1)
+    is_returned = returned(problem, found) >= 0
+    num_returned = np.bincount(owners[is_returned], minlength=problem.num_robots)
+    return num_returned / np.maximum(counts, 1)
 
 
 def relocate_lost(
-    problem: TeamProblem, found: Identification, lost: np.ndarray, *, may_swap: bool = False
+    problem: TeamProblem, found: Identification, lost: np.ndarray
 ) -> tuple[Identification, int]:
     """Look for robots anew.
 
@@ -55,20 +57,17 @@ def relocate_lost(
         problem: The views.
         found: Identities and poses so far.
         lost: Indices of the robots, in the order in which to look.
-        may_swap: Whether each may be where another one of them is said to be.
 
     Returns:
         found: With new poses of those that were found elsewhere, and without their identities.
         num_moved: How many.
     """
     x, cov = found.fit.poses.copy(), found.fit.cov.copy()
-    owner = _returned(problem, found)
+    owner = returned(problem, found)
     seen, weight, num_moved = found.seen.copy(), found.prior_weight.copy(), 0
     owners = np.repeat(np.arange(problem.num_robots), np.diff(problem.start))
     is_lost = np.zeros(problem.num_robots, dtype=np.bool_)
     is_lost[lost] = True
-    if may_swap:
-        owner = np.where((owner >= 0) & is_lost[owner], -1, owner)
     share = explained_share(problem, found)
     for u in lost:
         is_lost[u] = False
@@ -82,15 +81,15 @@ def relocate_lost(
         if pose is None:
             continue
         num_moved += 1
-        _put(x, cov, int(u), pose)
+        put(x, cov, int(u), pose)
         seen[(seen == u) | (owners == u)] = -1
-        if weight[u] > 0.0 and _prior_distance(problem, int(u), pose) > WRONG_PRIOR:
+        if weight[u] > 0.0 and prior_distance(problem, int(u), pose) > WRONG_PRIOR:
             weight[u] = 0.0
     fit = TeamFit(x, cov, found.fit.cost)
     return replace(found, fit=fit, seen=seen, prior_weight=weight), num_moved
 
 
-def _returned(problem: TeamProblem, found: Identification) -> np.ndarray:
+def returned(problem: TeamProblem, found: Identification) -> np.ndarray:
     """Return the owners of bearings that are sure and that the owner returns, (M,); -1 else."""
     n = problem.num_robots
     owners = np.repeat(np.arange(n), np.diff(problem.start))
@@ -163,7 +162,7 @@ class _Search:
         score = crossing_score(px, py, self.u, _BLUR, *arrays)
         score += pattern_score(px, py, yaw, self.u, _BLUR, *arrays, *_mark_arrays(problem))
         if self.has_prior:
-            score -= min(0.5 * _prior_distance(problem, self.u, pose), MOST_PRIOR)
+            score -= min(0.5 * prior_distance(problem, self.u, pose), MOST_PRIOR)
         return float(score)
 
 
@@ -174,17 +173,19 @@ def _mark_arrays(problem: TeamProblem) -> tuple[np.ndarray, ...]:
     )  # fmt: skip
 
 
-def _prior_distance(problem: TeamProblem, u: int, pose: np.ndarray) -> float:
+def prior_distance(problem: TeamProblem, u: int, pose: np.ndarray) -> float:
     """Return the squared deviations of a pose from the rough one."""
     e = pose - problem.prior[u]
     e[2] = (e[2] + np.pi) % (2.0 * np.pi) - np.pi
     return float(e @ problem.prior_info[u] @ e)
 
 
-def _put(x: np.ndarray, cov: np.ndarray, u: int, pose: np.ndarray) -> None:
-    """Set robot u to a pose found by the search, as well known as its grid."""
+def put(
+    x: np.ndarray, cov: np.ndarray, u: int, pose: np.ndarray, own: np.ndarray | None = None
+) -> None:
+    """Set robot u to a pose of covariance `own`; by default as well known as a search's grid."""
     x[u] = pose
-    cov[3 * u : 3 * u + 3, :] = 0.0
-    cov[:, 3 * u : 3 * u + 3] = 0.0
-    for c, sd in enumerate((0.08, 0.08, 0.03)):
-        cov[3 * u + c, 3 * u + c] = sd * sd
+    part = slice(3 * u, 3 * u + 3)
+    cov[part, :] = 0.0
+    cov[:, part] = 0.0
+    cov[part, part] = _GRID_COV if own is None else own

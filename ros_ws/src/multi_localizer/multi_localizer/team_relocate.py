@@ -51,7 +51,7 @@ def nearest_table(start: np.ndarray, bearings: np.ndarray, is_open: np.ndarray) 
 
 
 @numba.njit(cache=True, inline="always")
-def _look_up(table: np.ndarray, i: int, direction: float) -> int:
+def look_up(table: np.ndarray, i: int, direction: float) -> int:
     """Return the bearing of robot i that is nearest to a direction, to half a bin; or -1."""
     return table[i, min(int((wrap(direction) + np.pi) * (BINS / (2.0 * np.pi))), BINS - 1)]
 
@@ -69,7 +69,7 @@ def crossing_score(
         dx, dy = px - x[j, 0], py - x[j, 1]
         squared = max(dx * dx + dy * dy, 1e-2)
         expected = np.arctan2(dy, dx) - x[j, 2]
-        k = _look_up(table, j, expected)
+        k = look_up(table, j, expected)
         if k >= 0:
             spread = position_sd(cov, j) ** 2 + blur * blur
             v = var[k] + spread / squared + cov[3 * j + 2, 3 * j + 2]
@@ -92,7 +92,7 @@ def pattern_score(
         dx, dy = x[j, 0] - px, x[j, 1] - py
         squared = max(dx * dx + dy * dy, 1e-2)
         expected = np.arctan2(dy, dx) - yaw
-        k = _look_up(table, u, expected)
+        k = look_up(table, u, expected)
         if k >= 0:
             spread = position_sd(cov, j) ** 2 + blur * blur
             v = var[k] + spread / squared + _YAW_STEP**2 / 12.0
@@ -112,7 +112,8 @@ def pattern_score(
 
 
 @numba.njit(cache=True, inline="always")
-def _against_prior(px: float, py: float, prior: np.ndarray, info: np.ndarray) -> float:
+def against_prior(px: float, py: float, prior: np.ndarray, info: np.ndarray) -> float:
+    """Return how much a rough pose speaks against a place, `MOST_PRIOR` at most."""
     dx, dy = px - prior[0], py - prior[1]
     squared = info[0, 0] * dx * dx + 2.0 * info[0, 1] * dx * dy + info[1, 1] * dy * dy
     return min(0.5 * squared, MOST_PRIOR)
@@ -134,7 +135,7 @@ def best_places(
             px, py = middle[0] + (c - _CELLS) * step[0], middle[1] + (r - _CELLS) * step[1]
             scores[r, c] = crossing_score(
                 px, py, u, blur, x, cov, bearings, var, table, is_placed
-            ) - _against_prior(px, py, prior, info)
+            ) - against_prior(px, py, prior, info)
     found = np.full((_PLACES, 3), -np.inf)
     for p in range(_PLACES):
         at = np.argmax(scores)
@@ -146,7 +147,7 @@ def best_places(
                 qx, qy = px + 0.3 * c * step[0], py + 0.3 * r * step[1]
                 score = crossing_score(
                     qx, qy, u, 0.4 * blur, x, cov, bearings, var, table, is_placed
-                ) - _against_prior(qx, qy, prior, info)
+                ) - against_prior(qx, qy, prior, info)
                 if score > found[p, 2]:
                     found[p, 0], found[p, 1], found[p, 2] = qx, qy, score
         scores[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2] = -np.inf

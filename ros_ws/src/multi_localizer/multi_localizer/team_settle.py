@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from multi_localizer.team_config import TeamConfig
-from multi_localizer.team_crowd import settle_crowd
+from multi_localizer.team_crowd import SMALL_TEAM, settle_crowd
 from multi_localizer.team_identify import identify, refine
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import explained_share, relocate_lost
@@ -21,13 +21,16 @@ _ENOUGH = 0.98  # share of the bearings that is explained if all went well
 def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
     """Identify from rough poses, then look for robots that do not fit, again and again.
 
-    If that leaves too much unexplained, once more by soft beliefs, which cost more time. The answer
-    that explains more, and confirms it from both ends, counts.
+    In a large team that goes wrong somewhere for sure, so soft beliefs begin. In a small one they
+    come second, if too much is left unexplained: they cost more time. The answer that explains
+    more, and confirms it from both ends, counts.
 
     Args:
         problem: The views.
         config: Tuning.
     """
+    if problem.num_robots > SMALL_TEAM:
+        return _searched(problem, settle_crowd(problem, config), config)
     found = identify(problem, problem.has_prior.astype(float), config)
     if len(problem.bearings) <= _CROWD or _is_settled(problem, found, config):
         found = _searched(problem, found, config)

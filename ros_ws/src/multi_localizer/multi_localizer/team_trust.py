@@ -19,7 +19,7 @@ from multi_localizer.team_state import Identification
 WRONG_PRIOR = 20.0  # squared deviations of a rough pose from where the robot is: it was wrong
 _LEAST_MARKS = 2
 _LEAST_VIEWS = 3  # bearings; of so few, liars' fit nobody at all
-_MOST_NEEDED = 0.9
+_MOST_NEEDED = 0.85
 _MANY = 6  # bearings: of fewer, shares say little
 _SPREAD = 3.0  # deviations by which fewer than usual may be returned
 _CROWD_SPREAD = 2.0  # in a crowd, where chance returns more

@@ -1,0 +1,351 @@
+"""Places where bearings of known robots cross that are nobody's, and who may stand at which.
+
+A place is looked for on a grid, by the known robots' bearings alone: it is anybody's. Who stands
+there is told by what he sees himself. Robots see each other or do not, both at once: with v the
+chance that nothing stands between them, and l and l' the likelihood ratios of the one's nearest
+bearing to the other being his, each known robot counts for
+
+    1 - v + v l l',        l = 1 - d + d N(e; 0, s^2) / clutter,
+
+d the chance that what can be seen is detected. In a crowd many pairs of robots have a third one on
+the line between them: without him they seem to see each other. So a known robot's bearing that has
+an owner may as well be of whoever stands at a place before the owner, or the owner hides it. Either
+way it is no news: its N / clutter becomes the shape alone, exp(-e^2 / (2 s^2)).
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from multi_localizer.team_normal import wrap
+from multi_localizer.team_relocate import against_prior, look_up
+from multi_localizer.team_yaws import CLUTTER, position_sd
+
+_TOO_CLOSE = 0.05  # of the likelihood is left where a known robot stands
+_NEAREST = 1e-2  # m^2
+_LEAST, _MOST = 1e-100, 1e100  # of a product, before its logarithm is taken
+_FAR = 16.0  # squared deviations beyond which a bearing is not the robot's
+_BLUR = 0.35  # of a grid's step
+_EDGE_SD = 0.03  # m
+_LEAST_CLEAR = 0.02
+_YAW_STEP = 0.03  # rad
+_YAW_REACH = 3.5  # deviations of a rough yaw
+NEVER = -1e3
+"""Score of a robot at a place that its rough pose rules out."""
+
+
+@numba.njit(cache=True, inline="always")
+def ratio(e: float, v: float, detected: float) -> float:
+    """Return the likelihood ratio l of the nearest bearing, e away with variance v."""
+    squared = e * e / v
+    if squared > _FAR:
+        return 1.0 - detected
+    like = np.exp(-0.5 * squared) / np.sqrt(2.0 * np.pi * v)
+    return 1.0 - detected + detected * like / CLUTTER
+
+
+@numba.njit(cache=True, inline="always")
+def back_ratio(e: float, v: float, detected: float, is_open: bool) -> float:
+    """Return the likelihood ratio of a known robot's bearing, e off, being to a place."""
+    if is_open:
+        return ratio(e, v, detected)
+    squared = e * e / v
+    return 1.0 - detected + (detected * np.exp(-0.5 * squared) if squared < _FAR else 0.0)
+
+
+@numba.njit(cache=True)
+def crossing(
+    px: float, py: float, blur: float, hidden_rate: float, detected: float, width: float,
+    x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
+    table: np.ndarray, is_placed: np.ndarray,
+) -> float:  # fmt: skip
+    """Return how well the known robots' open bearings meet at a place, a log-likelihood ratio."""
+    score, product = 0.0, 1.0
+    for j in range(len(x)):
+        if not is_placed[j]:
+            continue
+        dx, dy = px - x[j, 0], py - x[j, 1]
+        squared = dx * dx + dy * dy
+        product *= _TOO_CLOSE if squared < width * width else 1.0
+        squared = max(squared, _NEAREST)
+        far = hidden_rate * np.sqrt(squared)
+        seen = detected / (1.0 + far + 0.5 * far * far)  # about detected * exp(-far)
+        expected = np.arctan2(dy, dx) - x[j, 2]
+        k = look_up(table, j, expected)
+        if k >= 0:
+            spread = position_sd(cov, j) ** 2 + blur * blur
+            v = var[k] + spread / squared + cov[3 * j + 2, 3 * j + 2]
+            product *= back_ratio(wrap(bearings[k] - expected), v, seen, is_open[k])
+        else:
+            product *= 1.0 - seen
+        if product < _LEAST or product > _MOST:
+            score, product = score + np.log(product), 1.0
+    return score + np.log(product)
+
+
+@numba.njit(cache=True)
+def open_places(
+    low: np.ndarray, high: np.ndarray, step: float, apart: float, most: int, hidden_rate: float,
+    detected: float, width: float, x: np.ndarray, cov: np.ndarray, bearings: np.ndarray,
+    var: np.ndarray, is_open: np.ndarray, table: np.ndarray, is_placed: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Return the places at which most open bearings cross: x, y, score, (P, 3), best first.
+
+    Args:
+        low: Corner of the area, (2,), m.
+        high: The other one.
+        step: Of the grid, m.
+        apart: No two places are closer, m.
+        most: At most so many.
+        hidden_rate: Robots that hide what is behind them, 1 / m along a line of sight.
+        detected: Chance that what can be seen is detected.
+        width: Of a robot, m.
+        x: Poses, (N, 3).
+        cov: Their covariance, (3 N, 3 N).
+        bearings: (M,), rad.
+        var: Their variances, (M,).
+        is_open: Bearings without an owner, (M,) bool.
+        table: Of `nearest_table`.
+        is_placed: Robots that are known, (N,) bool.
+    """
+    rows, cols = int((high[1] - low[1]) / step) + 1, int((high[0] - low[0]) / step) + 1
+    scores = np.full((rows + 2, cols + 2), -np.inf)
+    for r in range(rows):
+        for c in range(cols):
+            scores[r + 1, c + 1] = crossing(
+                low[0] + c * step, low[1] + r * step, _BLUR * step, hidden_rate, detected, width,
+                x, cov, bearings, var, is_open, table, is_placed,
+            )  # fmt: skip
+    peaks = _peaks(scores)
+    places, found = np.empty((most, 3)), 0
+    for at in peaks[: 4 * most]:
+        px, py = low[0] + (at % (cols + 2) - 1) * step, low[1] + (at // (cols + 2) - 1) * step
+        px, py, score = _uphill(
+            px,
+            py,
+            step,
+            hidden_rate,
+            detected,
+            width,
+            x,
+            cov,
+            bearings,
+            var,
+            is_open,
+            table,
+            is_placed,
+        )
+        is_new = True
+        for p in range(found):
+            is_new &= (places[p, 0] - px) ** 2 + (places[p, 1] - py) ** 2 >= apart * apart
+        if is_new:
+            places[found, 0], places[found, 1], places[found, 2] = px, py, score
+            found += 1
+        if found == most:
+            break
+    return places[:found]
+
+
+@numba.njit(cache=True)
+def _peaks(scores: np.ndarray) -> np.ndarray:
+    """Return the flat indices of local maxima within a border, the highest first."""
+    rows, cols = scores.shape
+    at, values = np.empty(rows * cols, dtype=np.int64), np.empty(rows * cols)
+    num = 0
+    for r in range(1, rows - 1):
+        for c in range(1, cols - 1):
+            if scores[r, c] >= np.max(scores[r - 1 : r + 2, c - 1 : c + 2]):
+                at[num], values[num] = r * cols + c, -scores[r, c]
+                num += 1
+    return at[:num][np.argsort(values[:num])]
+
+
+@numba.njit(cache=True)
+def _uphill(
+    px: float, py: float, step: float, hidden_rate: float, detected: float, width: float,
+    x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
+    table: np.ndarray, is_placed: np.ndarray,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the best place around a cell of the grid, and its score, on ever finer grids."""
+    score = -np.inf
+    for _ in range(4):
+        step *= 0.5
+        middle_x, middle_y, score = px, py, -np.inf
+        for r in range(-1, 2):
+            for c in range(-1, 2):
+                qx, qy = middle_x + c * step, middle_y + r * step
+                s = crossing(
+                    qx, qy, _BLUR * step, hidden_rate, detected, width, x, cov, bearings, var,
+                    is_open, table, is_placed,
+                )  # fmt: skip
+                if s > score:
+                    px, py, score = qx, qy, s
+    return px, py, score
+
+
+@numba.njit(cache=True)
+def look_around(
+    px: float, py: float, blur: float, hidden_rate: float, detected: float, width: float,
+    x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
+    table: np.ndarray, is_placed: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Return what known robots there are around a place.
+
+    Returns:
+        Of each: direction from the place, variance of that, chance v that nothing stands between,
+        and likelihood ratio l' of its own bearing back, (R, 4).
+    """
+    around, num = np.empty((len(x), 4)), 0
+    for j in range(len(x)):
+        if not is_placed[j]:
+            continue
+        dx, dy = x[j, 0] - px, x[j, 1] - py
+        squared = max(dx * dx + dy * dy, _NEAREST)
+        phi = np.arctan2(dy, dx)
+        spread = (position_sd(cov, j) ** 2 + blur * blur) / squared
+        expected = phi + np.pi - x[j, 2]
+        k = look_up(table, j, expected)
+        around[num, 0], around[num, 1] = phi, spread
+        clear = np.exp(-hidden_rate * np.sqrt(squared)) * _clear(
+            px, py, dx, dy, j, 0.5 * width, x, is_placed
+        )
+        around[num, 2] = max(clear, _LEAST_CLEAR)
+        around[num, 3] = 1.0 - detected
+        if k >= 0:
+            v = var[k] + spread + cov[3 * j + 2, 3 * j + 2]
+            around[num, 3] = back_ratio(wrap(bearings[k] - expected), v, detected, is_open[k])
+        num += 1
+    return around[:num]
+
+
+@numba.njit(cache=True)
+def _clear(
+    px: float, py: float, dx: float, dy: float, j: int, radius: float, x: np.ndarray,
+    is_placed: np.ndarray,
+) -> float:  # fmt: skip
+    """Return the chance that no known robot stands on the way (dx, dy) from a place to robot j."""
+    chance = 1.0
+    squared = max(dx * dx + dy * dy, _NEAREST)
+    length = np.sqrt(squared)
+    for k in range(len(x)):
+        ex, ey = x[k, 0] - px, x[k, 1] - py
+        along = ex * dx + ey * dy
+        if not is_placed[k] or k == j or along <= 0.0 or along >= squared:
+            continue
+        far = (abs(ex * dy - ey * dx) / length - radius) / _EDGE_SD
+        if far < 3.0:
+            chance /= 1.0 + np.exp(-1.7 * far)
+    return chance
+
+
+@numba.njit(cache=True)
+def pattern(
+    u: int, yaw: float, around: np.ndarray, detected: float, bearings: np.ndarray, var: np.ndarray,
+    table: np.ndarray,
+) -> float:  # fmt: skip
+    """Return how well robot u's bearings lead to the known robots around a place at a yaw."""
+    score, product = 0.0, 1.0
+    for j in range(len(around)):
+        expected, own = around[j, 0] - yaw, 1.0 - detected
+        k = look_up(table, u, expected)
+        if k >= 0:
+            v = var[k] + around[j, 1] + _YAW_STEP**2 / 3.0
+            own = ratio(wrap(bearings[k] - expected), v, detected)
+        product *= 1.0 - around[j, 2] + around[j, 2] * own * around[j, 3]
+        if product < _LEAST or product > _MOST:
+            score, product = score + np.log(product), 1.0
+    return score + np.log(product)
+
+
+@numba.njit(cache=True)
+def mark_pattern(
+    px: float, py: float, yaw: float, blur: float, detected: float, first: int, last: int,
+    mark_bearing: np.ndarray, mark_var: np.ndarray, marks: np.ndarray, mark_first: np.ndarray,
+    mark_last: np.ndarray,
+) -> float:  # fmt: skip
+    """Return how well a robot's bearings `first:last` lead to landmarks at a pose."""
+    product = 1.0
+    for k in range(first, last):
+        best = 0.0
+        for m in range(mark_first[k], mark_last[k]):
+            dx, dy = marks[m, 0] - px, marks[m, 1] - py
+            spread = blur * blur / max(dx * dx + dy * dy, _NEAREST)
+            e = wrap(mark_bearing[k] + yaw - np.arctan2(dy, dx))
+            best = max(best, ratio(e, mark_var[k] + spread + _YAW_STEP**2 / 3.0, detected))
+        product *= max(best, 1.0 - detected)
+    return np.log(product)
+
+
+@numba.njit(cache=True)
+def seat_scores(
+    who: np.ndarray, places: np.ndarray, prior: np.ndarray, prior_info: np.ndarray,
+    has_prior: np.ndarray, blur: float, hidden_rate: float, detected: float, width: float,
+    most_prior: float, x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray,
+    is_open: np.ndarray, table: np.ndarray, is_placed: np.ndarray, mark_start: np.ndarray,
+    mark_bearing: np.ndarray, mark_var: np.ndarray, marks: np.ndarray, mark_first: np.ndarray,
+    mark_last: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return the score of each robot of `who` at each place, and its yaw there, (W, P) each.
+
+    Args:
+        who: Robots, (W,).
+        places: As `open_places` returns them.
+        prior: Rough poses, (N, 3).
+        prior_info: Their inverse covariances, (N, 3, 3).
+        has_prior: Who has one, (N,).
+        blur: Deviation of a place, m.
+        hidden_rate: Of robots that are not known, 1 / m.
+        detected: Chance that what can be seen is detected.
+        width: Of a robot, m.
+        most_prior: A rough pose speaks against a place no louder; where it would, nobody is put.
+        x: Poses, (N, 3).
+        cov: Their covariance, (3 N, 3 N).
+        bearings: (M,), rad.
+        var: Their variances, (M,).
+        is_open: Bearings without an owner, (M,) bool.
+        table: Of `nearest_table`.
+        is_placed: Robots that are known, (N,) bool.
+        mark_start: Where each robot's bearings to landmarks begin, (N + 1,).
+        mark_bearing: (K,), rad.
+        mark_var: (K,), rad^2.
+        marks: Positions of landmarks, (L, 2), m.
+        mark_first: First landmark that each may be, (K,).
+        mark_last: And the one after the last.
+    """
+    scores, yaws = np.full((len(who), len(places)), NEVER), np.zeros((len(who), len(places)))
+    for p in range(len(places)):
+        px, py = places[p, 0], places[p, 1]
+        around = look_around(
+            px,
+            py,
+            blur,
+            hidden_rate,
+            detected,
+            width,
+            x,
+            cov,
+            bearings,
+            var,
+            is_open,
+            table,
+            is_placed,
+        )
+        for a in range(len(who)):
+            u = who[a]
+            against = against_prior(px, py, prior[u], prior_info[u])
+            if has_prior[u] and against >= most_prior:
+                continue
+            sd = 1.0 / np.sqrt(prior_info[u, 2, 2]) if has_prior[u] else np.inf
+            half = int(np.ceil(min(_YAW_REACH * sd, np.pi) / _YAW_STEP))
+            best = -np.inf
+            for s in range(-half, half + 1):
+                yaw = prior[u, 2] + s * _YAW_STEP
+                score = pattern(u, yaw, around, detected, bearings, var, table) + mark_pattern(
+                    px, py, yaw, blur, detected, mark_start[u], mark_start[u + 1], mark_bearing,
+                    mark_var, marks, mark_first, mark_last,
+                ) - min(0.5 * (s * _YAW_STEP / sd) ** 2, most_prior)  # fmt: skip
+                if score > best:
+                    best, yaws[a, p] = score, wrap(yaw)
+            scores[a, p] = best - against
+    return scores, yaws
