@@ -8,11 +8,12 @@ those that go out of its view are kept for a while, moved along with the robot.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
 
+from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sjmc_planner.beam_ends import BeamEnds, BeamReader
 from sjmc_planner.obstacle_state import Tracks
@@ -25,6 +26,7 @@ _KEEP_M = 1.2  # around the base: farther off what went out of view is forgotten
 _KEEP_S = 3.0
 _MOVES = 0.5  # probability
 _STANDS = 0.15  # m/s
+_NARROWS = 0.05  # m/s: how fast what was wide counts as narrower once it looks it
 _EDGE = 0.15  # beams that end this near to a person's disk are the person's, m
 
 
@@ -64,6 +66,9 @@ class SceneReader:
     ) -> None:
         self._tracker, self._reader = PeopleTracker(tracking), BeamReader(unseen_gap)
         self._person_width, self._period = person_width, period
+        self._scan: Scan | None = None
+        self._beams = np.zeros(0, dtype=np.int64)
+        self._widths: dict[int, float] = {}
         self._kept = np.zeros((0, 2))
         self._age = np.zeros(0)
         self._last = np.zeros((0, 2))
@@ -71,6 +76,7 @@ class SceneReader:
     def read(self, state: RobotState, obstacles: Obstacles) -> Scene:
         """Return the scene of now."""
         tracks = self._tracker.update(obstacles, state.moved, self._period)
+        tracks = self._with_beams(tracks, obstacles.scan)
         ends = self._reader.read(obstacles)
         is_person = self._people(tracks, ends)
         speed = np.hypot(tracks.velocity[:, 0], tracks.velocity[:, 1])
@@ -92,10 +98,26 @@ class SceneReader:
         beams = ends.ranges, tracks.beam_track, is_left_out, ends.angle_min, ends.angle_increment
         return np.asarray(_things(*beams, ends.pose, disks, np.full(_BINS, np.inf)))
 
+    def _with_beams(self, tracks: Tracks, scan: Scan) -> Tracks:
+        """Return tracks that know their beams also where the scan is the one of before."""
+        if scan is not self._scan:
+            known = np.append(tracks.number, -1)
+            self._scan, self._beams = scan, known[tracks.beam_track]
+            return tracks
+        order = np.append(np.argsort(tracks.number), -1)
+        sorted_numbers = np.append(tracks.number[order[:-1]], np.iinfo(np.int64).max)
+        at = np.searchsorted(sorted_numbers, self._beams)
+        rows = np.where(sorted_numbers[at] == self._beams, order[at], -1)
+        return replace(tracks, beam_track=rows)
+
     def _people(self, tracks: Tracks, ends: BeamEnds) -> np.ndarray:
+        """Tell who is a person: what moves, or was never seen to be wider for some time."""
         widths = _widths(
             ends.ranges, tracks.beam_track, ends.angle_min, ends.angle_increment, len(tracks)
         )
+        before = [self._widths.get(n, 0.0) - _NARROWS * self._period for n in tracks.number]
+        widths = np.maximum(widths, np.array(before).reshape(-1))
+        self._widths = dict(zip(tracks.number.tolist(), widths.tolist(), strict=True))
         return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
 
     def _remember(
