@@ -38,6 +38,7 @@ from sim_bridge.robot_model import RobotModel, load_robot, robot_names
 from sim_bridge.sonar_config import SonarConfig
 from sim_bridge.world import RobotPlacement
 from sjmc_planner.config import LocalPlannerConfig, SendGoalConfig
+from sjmc_planner.wavefront_config import WavefrontConfig
 
 NODES: dict[str, tuple[type, ...]] = {
     "grid_mapper grid_mapper": (
@@ -63,6 +64,7 @@ NODES: dict[str, tuple[type, ...]] = {
     "sim_bridge route_follower": (RouteConfig, ProcessConfig),
     "sjmc_planner local_planner": (LocalPlannerConfig, FrameConfig, ProcessConfig),
     "sjmc_planner send_goal": (SendGoalConfig, ProcessConfig),
+    "sjmc_planner wavefront_planner": (WavefrontConfig, FrameConfig, ProcessConfig),
 }  # fmt: skip
 """Every node, as `ros2 run` names it, and what it declares."""
 

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from geometry_msgs.msg import Point, Twist, TwistStamped
+from geometry_msgs.msg import Point, PoseStamped, Twist, TwistStamped
+from nav_msgs.msg import Path
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from floornav_common.ros.messages import se2_to_pose
+from floornav_common.se2 import SE2
 from sjmc_planner.planning import Debug, Velocity
 
 _GROWN, _OPEN, _SHUT, _CHOSEN = (
@@ -49,6 +52,19 @@ def path_points(msg: Any) -> np.ndarray:
     """Return the places of a nav_msgs/Path, shape (N, 2), m."""
     places = [(p.pose.position.x, p.pose.position.y) for p in msg.poses]
     return np.array(places, dtype=float).reshape(-1, 2)
+
+
+def path_to_msg(points: np.ndarray, frame_id: str, stamp: Any) -> Path:
+    """Return places, shape (N, 2), as a nav_msgs/Path; each pose looks along the way."""
+    msg = Path()
+    msg.header.frame_id, msg.header.stamp = frame_id, stamp
+    legs = np.diff(points, axis=0) if len(points) > 1 else np.tile([1.0, 0.0], (len(points), 1))
+    yaws = np.arctan2(legs[:, 1], legs[:, 0])
+    yaws = np.append(yaws, yaws[-1:])[: len(points)]
+    for (x, y), yaw in zip(points, yaws, strict=True):
+        pose = PoseStamped(header=msg.header, pose=se2_to_pose(SE2(float(x), float(y), float(yaw))))
+        msg.poses.append(pose)
+    return msg
 
 
 def state_to_msg(

@@ -6,11 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from floornav_common.grid import OccupancyMap
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.methods import METHODS, make_method
 from sjmc_planner.planning import Goal, Obstacles, RobotState, Velocity
+from sjmc_planner.wavefront_config import WavefrontConfig
+from sjmc_planner.wavefront_plan import CostMap
 
 
 def compile_kernels() -> None:
@@ -25,3 +28,11 @@ def compile_kernels() -> None:
                     RobotState(Velocity(0.1, 0.0, 0.0)), Obstacles(scan, sensor),
                     Goal(np.array([2.0, 0.0]), 2.0), has_debug=True,
                 )  # fmt: skip
+
+
+def compile_wavefront() -> None:
+    """Plan a way over a small map and look at it again."""
+    grid = OccupancyMap(np.zeros((12, 12), dtype=np.int8), 0.1, SE2.identity())
+    costs = CostMap(grid, WavefrontConfig())
+    way = costs.plan(np.array([0.25, 0.25]), np.array([0.95, 0.95]))
+    costs.cost_of(way.points)

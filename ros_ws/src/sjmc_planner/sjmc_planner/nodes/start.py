@@ -11,3 +11,8 @@ def local_planner() -> int:
 def send_goal() -> int:
     """Start the node `send_goal`."""
     return start_node("sjmc_planner.nodes.send_goal_node")
+
+
+def wavefront_planner() -> int:
+    """Start the node `wavefront_planner`."""
+    return start_node("sjmc_planner.nodes.wavefront_planner_node")
