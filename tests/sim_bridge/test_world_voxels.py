@@ -99,4 +99,4 @@ def test_solids_of_the_stereo_room_fill_the_papers_grid():
     world = load_world("stereo_room")
     made = world_voxels(world, 0.04, 0.32)
     assert made.occupied.shape == (8 + 2, 128 + 2, 128 + 2) and made.left_out == ()
-    assert not made.occupied[2:5, 40:90, 40:90].any() and len(solids_of(world)) == 13
+    assert not made.occupied[2:5, 40:90, 40:90].any() and len(solids_of(world)) == 14
