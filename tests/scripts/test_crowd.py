@@ -1,0 +1,141 @@
+"""The crowd experiment: its scenes, and its figures by hand."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
+
+from experiments import crowd, crowd_runs
+from experiments.crowd_runs import Outcome, Task, beside, figures, run_task
+from experiments.crowd_scenes import ROBOT, SCENES, recorded
+from floornav_common.reporting import UserError
+from sim_bridge.robot_model import load_robot
+from sim_bridge.simulation import check_world
+
+GOOD = Outcome(
+    is_success=True, is_reached=True, caused=0, theirs=0, things=0, time_s=20.0, path_ratio=1.1,
+    min_distance_m=0.5, not_moving_s=1.0, longest_stop_s=1.0, heading_changes=2, intimate_s=0.0,
+    personal_s=3.0, all_yield=True, track=np.zeros((0, 3)), people={},
+)  # fmt: skip
+BAD = replace(
+    GOOD, is_success=False, is_reached=False, caused=2, theirs=1, time_s=60.0, path_ratio=3.0,
+    min_distance_m=-0.1, not_moving_s=31.0, longest_stop_s=30.0, heading_changes=6,
+)  # fmt: skip
+
+
+def test_figures_by_hand() -> None:
+    found = figures([GOOD, BAD])
+    assert found["runs"] == 2
+    assert found["success"] == 0.5
+    assert found["collisions_caused"] == 2
+    assert found["collisions_theirs"] == 1
+    assert found["time_s"] == 20.0  # of the one that was there
+    assert found["path_ratio"] == pytest.approx(1.1)
+    assert found["min_distance_m"] == 0.25  # within somebody is 0
+    assert found["time_not_moving_s"] == 16.0
+    assert found["heading_changes"] == 4.0
+    assert found["long_stops_where_all_yield"] == 1
+
+
+def test_a_stop_before_somebody_who_never_notices_is_not_held_against_it() -> None:
+    found = figures([GOOD, replace(BAD, all_yield=False)])
+    assert found["long_stops_where_all_yield"] == 0
+    assert found["runs_where_all_yield"] == 1
+    assert found["longest_stop_s"] == 30.0
+
+
+def test_figures_of_nothing_are_none_and_not_absent() -> None:
+    assert figures([])["time_s"] is None
+    assert figures([BAD])["time_s"] is None
+
+
+def test_methods_are_held_beside_each_other_on_runs_that_both_finished() -> None:
+    ours = {0: replace(GOOD, time_s=14.0, heading_changes=1), 1: GOOD, 2: GOOD}
+    theirs = {0: GOOD, 1: BAD, 3: GOOD}
+    assert beside(ours, theirs) == {"runs": 1, "time": 0.7, "heading_changes": 0.5}
+    assert beside({}, theirs)["time"] is None
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_scenes_can_be_built_and_follow_from_their_seed(name: str) -> None:
+    for seed in range(30):
+        scene = SCENES[name](seed)
+        check_world(scene.world)
+        start = scene.world.robots[0].position_m
+        places = [plan.path_m[0] for plan in scene.world.people]
+        assert len(places) >= 3
+        assert min(math.dist(start, place) for place in places) > ROBOT.radius_m + 0.3
+        assert all(math.dist(a, b) > 0.4 for k, a in enumerate(places) for b in places[:k])
+        assert scene.all_yield == (not any(plan.never_notices for plan in scene.world.people))
+    assert SCENES[name](3) == SCENES[name](3) != SCENES[name](4)
+
+
+def test_about_one_in_ten_never_notices() -> None:
+    plans = [p for seed in range(100) for p in SCENES["crossing"](seed).world.people]
+    share = sum(bool(p.never_notices) for p in plans) / len(plans)
+    assert share == pytest.approx(0.1, abs=0.04)
+
+
+def test_the_robots_disk_holds_its_outline() -> None:
+    outline = np.array(load_robot(SCENES["corridor"](0).world.robots[0]).config.footprint_m)
+    assert np.hypot(*outline.T).max() <= ROBOT.radius_m
+    assert np.allclose(outline.max(axis=0), (ROBOT.front_m, ROBOT.half_width_m))
+    assert np.allclose(-outline.min(axis=0), (ROBOT.rear_m, ROBOT.half_width_m))
+
+
+def test_a_recorded_scene_meets_somebody_who_does_not_appear_from_nowhere(tmp_path: Path) -> None:
+    # One person a minute walks 20 m along x = 0, in a place 10 m wide that others bound.
+    rows = []
+    for person in range(10):
+        for k in range(36):
+            rows.append((1500 * person + 10 * k, person, 0.3 * (-1) ** person, -10.0 + 0.56 * k))
+    for k in range(200):
+        rows.append((75 * k, 1000 + k, (-1) ** k * 5.0, -10.0 + 0.1 * k))
+    rows.sort()
+    file = tmp_path / "obsmat.txt"
+    lines = [f"{frame} {number} {x} 0 {y} 0 0 0" for frame, number, x, y in rows]
+    file.write_text("\n".join(lines))
+    for seed in range(4):
+        scene = recorded(file, 25.0, seed)
+        assert scene == recorded(file, 25.0, seed)
+        assert scene.world.recorded_people is not None
+        assert 5.0 < scene.straight_m < 12.0
+        start = np.array(scene.world.robots[0].position_m)
+        t = np.array(rows)[:, 0] / 25.0 - scene.world.recorded_people.starts_s
+        share = np.clip(ROBOT.speed_m_s * t / scene.straight_m, 0.0, 1.0)[:, None]
+        off = np.array(rows)[:, 2:] - (start + share * (np.array(scene.goal) - start))
+        is_under_way = (t > 2.0) & (t < scene.straight_m / ROBOT.speed_m_s)
+        assert np.hypot(*off[is_under_way].T).min() < 1.0
+
+
+def test_the_same_task_gives_the_same_outcome(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crowd_runs, "LIMIT_S", 4.0)
+    task = Task("doorway", 0, "vfh_plus", 7)
+    one, other = run_task(task), run_task(task)
+    assert np.array_equal(one.track, other.track)
+    assert figures([one]) == figures([other])
+    assert not one.is_reached
+    assert 1.0 < float(np.hypot(*(one.track[-1, :2] - one.track[0, :2]))) < 4.0
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"runs": 0}, "--runs"), ({"jobs": 0}, "--jobs"), ({"fps": 0.0}, "--fps"),
+     ({"people": ["none.txt"]}, "none.txt"), ({"scenes": []}, "no scene")],
+)  # fmt: skip
+def test_bad_input_is_named(change: dict[str, object], said: str) -> None:
+    parser = argparse.ArgumentParser()
+    crowd.add_options(parser)
+    args = parser.parse_args([])
+    crowd.check(args)
+    for name, value in change.items():
+        setattr(args, name, value)
+    with pytest.raises(UserError, match=said):
+        crowd.check(args)
