@@ -18,7 +18,6 @@ from experiments.timing import Case, median_and_p99, take_turns
 from multi_localizer.floor_fit import fit_published
 from multi_localizer.floor_fitter import FloorShapeFitter
 from multi_localizer.floor_plan import load_plan
-from multi_localizer.floor_search import places_of, search
 from multi_localizer.pose_estimate import PoseEstimate
 
 SIZES = ((256, 220), (640, 480))
@@ -49,12 +48,11 @@ def _calls(fitter: FloorShapeFitter, mask: np.ndarray) -> dict[str, Callable[[],
     border = fitter.scanner.scan(mask)
     known = fitter.fit(mask)
     guess: PoseEstimate | None = known.candidates[0] if known.candidates else None
-    walls, places = fitter.walls, places_of(plan)
     return {
         "whole": lambda: fitter.fit(mask),
         "with a guess": lambda: fitter.fit(mask, guess),
         "border": lambda: fitter.scanner.scan(mask),
-        "search of the whole plan": lambda: search(border.values, walls, places),
+        "search of the whole plan": lambda: fitter.search.starts(border.values),
         "published": lambda: fit_published(mask, camera, plan),
         "bare": lambda: cv2.countNonZero(mask),
     }

@@ -14,12 +14,10 @@ from scipy.stats import chi2
 from floornav_common.calibration import calibration_of
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2
-from multi_localizer import floor_fitter
 from multi_localizer.floor_config import FloorFitConfig
 from multi_localizer.floor_fitter import FloorShapeFitter
 from multi_localizer.floor_plan import FloorPlan, load_plan
 from multi_localizer.floor_rays import rays_of_pixels
-from multi_localizer.floor_search import search
 from multi_localizer.pose_estimate import PoseEstimate, difference
 
 TOL_M, TOL_RAD = 0.008, math.radians(0.4)
@@ -232,8 +230,9 @@ def test_a_guess_far_from_what_fits_does_not_keep_rivals_from_being_looked_for(m
         (pose.x + 0.3 * math.cos(a), pose.y + 0.3 * math.sin(a), 0.1) for a in (0.2, 1.7, 3.0, 4.4)
     )
     mask, searched = mask_of(CAMERA, fitter.plan, pose, posts), []
+    starts = fitter.search.starts
     monkeypatch.setattr(
-        floor_fitter, "search", lambda *args: (searched.append(1), search(*args))[1]
+        fitter.search, "starts", lambda values: (searched.append(1), starts(values))[1]
     )
     cov = np.diag([0.01, 0.01, 0.01]) ** 2
     fitter.fit_border(fitter.scanner.scan(mask), PoseEstimate(pose, cov))

@@ -14,33 +14,31 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import cv2
 import numpy as np
 
 from floornav_common.floor_camera import FloorCamera
-from floornav_common.se2 import SE2, wrap_angle
+from floornav_common.se2 import SE2
+from multi_localizer.floor_coarse import fit_starts
 from multi_localizer.floor_config import FloorFitConfig
 from multi_localizer.floor_doubts import PolishedFit, doubt
-from multi_localizer.floor_kernels import anneal
-from multi_localizer.floor_moments import polygon_moments
 from multi_localizer.floor_plan import FloorPlan
-from multi_localizer.floor_polish import polish
+from multi_localizer.floor_polish import polish, summary
 from multi_localizer.floor_rays import BorderRays, BorderScanner
-from multi_localizer.floor_search import places_of, search, slides
+from multi_localizer.floor_search import PlanSearch, slides
+from multi_localizer.floor_walls import walls_of
 from multi_localizer.pose_estimate import PoseEstimate, difference, moved, placed
 
 REACH = 1.02
 MIN_PIECES = 24
 MIN_BEHIND, BEHIND_PX = 4, 3.0
 COARSE_PIECES = 160
-COARSE_STEPS, POLISH_STEPS = 20, 8
-FIRST_PX, FINE_PX, SPREAD_PX = 36.0, 4.0, 1.0
+MAX_FITS = 12
+POLISH_STEPS = 8
+FIRST_PX, FINE_PX = 36.0, 4.0
 SURE_COST = 0.4  # of a fit that follows from the guess: it will do
-CLEAR_COST = 0.15  # of any fit: below it nothing else can fit nearly as well
+CLEAR_COST = 0.15  # of any fit: below it nothing else fits nearly as well
 FOLLOWED = 0.3, 0.3  # m, rad: a fit so near the guess follows from it
-SAME = 0.1, 0.1  # m, rad: fits so near each other are one
-NOWHERE = np.empty(0, dtype=np.int64)
-_TURNS = (0.0, 0.5, -0.5)  # of a quarter
+NOWHERE, NONE = np.empty(0, dtype=np.int64), np.empty((0, 5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +87,8 @@ class FloorShapeFitter:
             self.scanner = scanner
         self.camera, self.plan = camera, plan
         self.config = FloorFitConfig() if config is None else config
-        self.walls = np.column_stack(
-            (plan.corners, plan.tangents, plan.normals, plan.offsets, plan.lengths)
-        )
-        self._places, self._model = places_of(plan), polygon_moments(plan.corners)
+        self.walls, self.search = walls_of(plan), PlanSearch(plan)
+        self._symmetries = np.array([s.as_array() for s in plan.symmetries])
         c = self.config
         self._limits = (
             c.border_sd_px, c.max_sd_px, c.gate_sd, c.offset_sd_px, c.wall_sd_px, c.coarse_m
@@ -114,134 +110,95 @@ class FloorShapeFitter:
         Raises:
             ValueError: The mask is not of the camera's size.
         """
-        fit, behind = self._fit(self.scanner.scan(mask), guess)
+        border = self.scanner.scan(mask)
+        found = self._found(border, guess)
+        fit, behind = self._decided(border, found)
         if fit.problem or len(behind) < MIN_BEHIND:
             return fit
-        return self._fit(self.scanner.scan(mask, behind), fit.candidates[0])[0]
+        border = self.scanner.scan(mask, behind)
+        return self._decided(border, self._fits(border, found[:, :3], FINE_PX))[0]
 
     def fit_border(self, border: BorderRays, guess: PoseEstimate | None = None) -> FloorFit:
         """Return the poses that a border fits."""
-        return self._fit(border, guess)[0]
+        return self._decided(border, self._found(border, guess))[0]
 
-    def _fit(self, border: BorderRays, guess: PoseEstimate | None) -> tuple[FloorFit, np.ndarray]:
-        """Return the fit, and the paths on which there is floor behind the walls."""
+    def _found(self, border: BorderRays, guess: PoseEstimate | None) -> np.ndarray:
+        """Return different poses with offset and cost, (F, 5), the best first."""
         if len(border.values) < MIN_PIECES:
-            return _none(
-                f"only {len(border.values)} pixels of the floor's border are seen"
-            ), NOWHERE
-        found = self._coarse(border, guess)
-        fits = [(*self._polished(border, start, offset), cost) for start, offset, cost in found
-                if 1.0 - cost >= self.config.rival * (1.0 - found[0][2])]  # fmt: skip
-        if not fits:
-            return _none("the border fits no pose on the plan"), NOWHERE
-        best, behind, _ = fits[0]
-        if best.problem:
-            return best, behind
-        good = [(f.candidates[0], cost) for f, _, cost in fits if not f.problem]
-        mates = [[placed(s, candidate) for s in self.plan.symmetries] for candidate, _ in good]
-        costs = [cost for m, (_, cost) in zip(mates, good, strict=True) for _ in m]
-        candidates = tuple(c for m in mates for c in m)
-        return replace(best, candidates=candidates, costs=tuple(costs)), behind
-
-    def _coarse(
-        self, border: BorderRays, guess: PoseEstimate | None
-    ) -> list[tuple[np.ndarray, float, float]]:
-        """Return poses, offsets and costs of the different fits found, the best first."""
-        step = max(1, len(border.values) // COARSE_PIECES)
-        found: list[tuple[np.ndarray, float, float]] = []
-        is_even, is_followed = len(self.plan.symmetries) > 1, False
-        for k, start in enumerate(self._starts(border, guess)):
-            self._add(found, border, step, start)
-            if k == 0 and guess is not None and found:
-                is_near = _is_near(SE2(*found[0][0]), SE2(*start), FOLLOWED)
-                is_followed = is_near and found[0][2] < SURE_COST
-            if found and is_even and (is_followed or found[0][2] < CLEAR_COST):
-                break
-        if not found or (found[0][2] >= CLEAR_COST and not is_followed):
-            for start in search(border.values, self.walls, self._places):
-                self._add(found, border, step, start)
-        if found and found[0][2] >= SURE_COST:
-            pose, offset, _ = found[0]
-            for start in slides(border.values, self.walls, pose, offset, self.plan.reach):
-                self._add(found, border, step, start, FINE_PX)
+            return NONE
+        found, is_followed = NONE, False
+        if guess is not None:
+            start = (guess.pose @ self._T_camera_base.inverse()).as_array()
+            found = self._fits(border, start[None], FIRST_PX)
+            is_followed = len(found) > 0 and _follows(found[0], start)
+        if not is_followed or len(self.plan.symmetries) == 1:
+            starts = self.search.starts(border.values)
+            found = self._fits(border, starts, FIRST_PX, found)
+        if len(found) and found[0, 4] >= SURE_COST:
+            pose, offset = found[0, :3], float(found[0, 3])
+            starts = slides(border.values, self.walls, pose, offset, self.plan.reach)
+            found = self._fits(border, starts, FINE_PX, found)
         return found
 
-    def _add(
-        self,
-        found: list[tuple[np.ndarray, float, float]],
-        border: BorderRays,
-        step: int,
-        start: np.ndarray,
-        first_px: float = FIRST_PX,
-    ) -> None:
-        """Fit from a start and keep what is new."""
-        pose, offset, cost = anneal(
-            border.values, step, start, self.walls, first_px, SPREAD_PX, COARSE_STEPS
-        )
-        if not np.isfinite(pose).all():
-            return
-        here = SE2(*pose)
-        for k, (other, _, old) in enumerate(found):
-            if any(_is_near(s @ here, SE2(*other), SAME) for s in self.plan.symmetries):
-                if cost >= old:
-                    return
-                del found[k]
-                break
-        found.append((pose, float(offset), float(cost)))
-        found.sort(key=lambda f: f[2])
+    def _fits(
+        self, border: BorderRays, starts: np.ndarray, first_px: float, found: np.ndarray = NONE
+    ) -> np.ndarray:
+        """Return the different fits from starts (S, 3), and those found before, the best first."""
+        step = max(1, len(border.values) // COARSE_PIECES)
+        some, starts = np.ascontiguousarray(border.values[::step]), np.ascontiguousarray(starts)
+        fits = np.empty((MAX_FITS, 5))
+        fits[: len(found)] = found
+        num = fit_starts(some, starts, self.walls, self._symmetries, first_px, fits, len(found))
+        return fits[:num]
 
-    def _starts(self, border: BorderRays, guess: PoseEstimate | None) -> list[np.ndarray]:
-        """Return where fits begin: the guess, and what the region's moments say (step 5)."""
-        starts = []
-        if guess is not None:
-            T_base_camera = self._T_camera_base.inverse()
-            starts.append((guess.pose @ T_base_camera).as_array())
-        points = border.values[:, :2] / border.values[:, 2:3]
-        hull = cv2.convexHull(points.astype(np.float32))[:, 0].astype(float)
-        try:
-            region, model = polygon_moments(hull), self._model
-        except ValueError:
-            return starts
-        is_even = len(self.plan.symmetries) > 1
-        quarters = (0, 1) if is_even else (0, 2, 1, 3)
-        for quarter in quarters:
-            for turn in _TURNS:
-                yaw = model.axis_rad - region.axis_rad + 0.5 * math.pi * (quarter + turn)
-                x, y = model.center - (SE2(0.0, 0.0, yaw) @ region.center[None])[0]
-                starts.append(np.array((x, y, yaw)))
-        return starts
+    def _decided(self, border: BorderRays, found: np.ndarray) -> tuple[FloorFit, np.ndarray]:
+        """Return the fit, and the paths on which there is floor behind the walls."""
+        if len(border.values) < MIN_PIECES:
+            few = f"only {len(border.values)} pixels of the floor's border are seen"
+            return _none(few), NOWHERE
+        if not len(found):
+            return _none("the border fits no pose on the plan"), NOWHERE
+        worst = 1.0 - self.config.rival * (1.0 - found[0, 4])
+        rivals = found[:1] if found[0, 4] < CLEAR_COST else found[found[:, 4] <= worst]
+        fits = [self._polished(border, rival) for rival in rivals]
+        best, behind = fits[0]
+        if best.problem:
+            return best, behind
+        good = [(f.candidates[0], r[4]) for (f, _), r in zip(fits, rivals, strict=True)
+                if not f.problem]  # fmt: skip
+        mates = [(placed(s, pose), cost) for pose, cost in good for s in self.plan.symmetries]
+        candidates, costs = zip(*mates, strict=True)
+        return replace(best, candidates=candidates, costs=tuple(map(float, costs))), behind
 
-    def _polished(
-        self, border: BorderRays, start: np.ndarray, offset: float
-    ) -> tuple[FloorFit, np.ndarray]:
+    def _polished(self, border: BorderRays, start: np.ndarray) -> tuple[FloorFit, np.ndarray]:
         """Return the fit of all of the border, what speaks against it, and what is behind walls."""
-        pose, cov, offset, sd, is_settled, weights, rows = polish(
-            border.values, border.moves, start, offset, self.walls, self._limits, POLISH_STEPS
-        )
-        is_wall = weights > 0.0
-        num = int(is_wall.sum())
-        hidden = 1.0 - num / border.num_paths
+        state, cov, sd, is_settled, weights, rows = polish(
+            border.values, border.moves, start[:3], start[3], self.walls, self._limits,
+            POLISH_STEPS,
+        )  # fmt: skip
+        offset = float(state[3])
+        num, square, beyond = summary(rows, weights, offset, self.config.gate_sd * sd)
+        hidden, rms = 1.0 - num / border.num_paths, math.sqrt(square)
         if not is_settled:
             return _none("the fit of the border comes to no rest", num, hidden), NOWHERE
-        if num < MIN_PIECES or not np.isfinite(cov).all() or not np.isfinite(pose).all():
+        if num < MIN_PIECES or not np.isfinite(cov).all() or not np.isfinite(state).all():
             return _none("the border fits no pose on the plan", num, hidden), NOWHERE
-        off = rows[:, 0] - offset
-        rms = float(np.sqrt(np.mean(off[is_wall] ** 2)))
-        beyond = float(np.mean((rows[:, 4] >= 0) & (off < -self.config.gate_sd * sd)))
-        found = PolishedFit(pose, cov, sd, float(offset), hidden, beyond)
+        found = PolishedFit(state[:3], cov, sd, offset, hidden, beyond)
         problem = doubt(found, self.plan, self.config)
         if problem:
             return _none(problem, num, hidden, rms), NOWHERE
-        estimate = PoseEstimate(SE2(*pose), cov)
+        estimate = PoseEstimate(SE2(*state[:3].tolist()), cov)
         if self._T_camera_base.distance > 0.0:
             estimate = moved(estimate, self._T_camera_base)
-        behind = border.index[off < -BEHIND_PX]
-        return FloorFit((estimate,), num, rms, hidden, "", float(offset)), behind
+        behind = border.index[rows[:, 0] - offset < -BEHIND_PX]
+        return FloorFit((estimate,), num, rms, hidden, "", offset), behind
 
 
-def _is_near(a: SE2, b: SE2, within: tuple[float, float]) -> bool:
-    x, y, yaw = difference(a, b)
-    return math.hypot(x, y) < within[0] and abs(wrap_angle(yaw)) < within[1]
+def _follows(found: np.ndarray, guess: np.ndarray) -> bool:
+    """Return whether a fit (5,) is good and near a guess (3,)."""
+    x, y, yaw = difference(SE2(*found[:3].tolist()), SE2(*guess.tolist()))
+    is_near = math.hypot(x, y) < FOLLOWED[0] and abs(yaw) < FOLLOWED[1]
+    return bool(is_near and found[4] < SURE_COST)
 
 
 def _none(problem: str, num: int = 0, hidden: float = 1.0, rms: float = math.nan) -> FloorFit:

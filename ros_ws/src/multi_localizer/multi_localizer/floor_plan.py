@@ -112,11 +112,17 @@ class FloorPlan:
 
     def contains(self, x: float, y: float) -> bool:
         """Return whether a place is on the floor."""
-        (x1, y1), (x2, y2) = self.corners.T, np.roll(self.corners, -1, axis=0).T
-        is_level = (y1 > y) != (y2 > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            is_right = x < x1 + (y - y1) * (x2 - x1) / (y2 - y1)
-        return bool((is_level & is_right).sum() % 2)
+        num = 0
+        for (x1, y1), (x2, y2) in self._edges:
+            if (y1 > y) != (y2 > y):
+                num += x < x1 + (y - y1) * (x2 - x1) / (y2 - y1)
+        return bool(num % 2)
+
+    @cached_property
+    def _edges(self) -> list[tuple[list[float], list[float]]]:
+        """Both ends of each edge, m."""
+        ends: list[list[float]] = self.corners.tolist()
+        return list(zip(ends, ends[1:] + ends[:1], strict=True))
 
 
 def load_plan(name_or_path: str) -> FloorPlan:

@@ -17,6 +17,7 @@ MARGIN = 2  # pieces left out on both sides of an obstacle
 BLOCK = 8  # pieces, about as far as neighbors err together
 MOST_TOGETHER = 8.0
 STILL = 0.1  # deviations of the pose: a step below this is the last but one
+FLAT = 0.001, 0.001  # m, rad: over steps so short residuals go as their derivatives say
 UNSETTLED = 5.0  # the same: if the last step is longer, the fit has found no rest
 _TO_SD = 1.4826
 
@@ -33,53 +34,101 @@ def polish(values, moves, start, offset, walls, limits, num_iterations):  # type
         moves: The same, (N, K, 2).
         start: x, y, yaw, (3,).
         offset: Of the border, px.
-        walls: As in `residuals`.
+        walls: Of `walls_of`, (W, 8).
         limits: border_sd, max_sd, gate_sd, offset_sd, wall_sd, coarse_m.
         num_iterations: Steps at most.
 
     Returns:
-        The pose (3,), covariance (3, 3), offset, deviation of a piece of border, whether the fit
-        came to rest, weights (N,), rows (N, 7).
+        x, y, yaw, offset and the calibration's axes (4 + K,), covariance of the pose (3, 3),
+        deviation of a piece of border, whether the fit came to rest, weights (N,), rows (N, 7).
     """
-    border_sd, max_sd, gate_sd, offset_sd, wall_sd, coarse_m = limits
-    pose, num_walls = start.copy(), len(walls)
+    state, d = np.zeros(4 + moves.shape[1]), np.zeros(4 + moves.shape[1])
+    state[:3], state[3] = start, offset
     rows, weights = np.empty((len(values), NUM_VALUES)), np.empty(len(values))
-    sd, together = max_sd, 1.0
-    cov = np.full((3, 3), np.inf)
-    num_axes = moves.shape[1]
-    by_axis, axes = np.empty((len(values), num_axes)), np.zeros(num_axes)
+    by_axis = np.empty((len(values), moves.shape[1]))
+    sd, cov = limits[1], np.full((3, 3), np.inf)
     is_last, has_settled = False, False
     for step in range(num_iterations):
         is_last = is_last or step == num_iterations - 1
-        residuals(values, 1, pose, walls, rows)
-        if num_axes > 0:
-            moved_residuals(values, moves, pose, walls, rows, by_axis)
-            rows[:, 0] += by_axis @ axes
-        sd = deviation(rows, offset, gate_sd * sd, border_sd, max_sd)
-        gate_weights(rows, offset, gate_sd * sd, MARGIN, weights)
-        if is_last:
-            together = togetherness(rows, weights, num_walls)
-        H, b = normal_equations(
-            rows, by_axis, weights, sd * np.sqrt(together), offset_sd, wall_sd, coarse_m, num_walls
-        )
-        for k in range(num_axes):  # each axis is known to 1
-            H[4 + k, 4 + k] += 1.0
-            b[4 + k] -= axes[k]
-        size = np.sqrt(np.diag(H))
-        scaled = H / np.outer(size, size)
-        if not (size > 0.0).all() or not np.linalg.cond(scaled) < 1e10:
+        if step == 0 or not _moved_on(rows, by_axis, d):
+            _see(values, moves, state, walls, rows, by_axis)
+        sd = deviation(rows, state[3], limits[2] * sd, limits[0], limits[1])
+        gate_weights(rows, state[3], limits[2] * sd, MARGIN, weights)
+        together = togetherness(rows, weights, len(walls)) if is_last else 1.0
+        d, inverse = _solve(rows, by_axis, weights, sd * np.sqrt(together), limits, state, walls)
+        if not inverse[0, 0] > 0.0:
+            has_settled = False
             break
-        inverse = np.linalg.inv(scaled) / np.outer(size, size)
-        d = inverse @ b
-        pose += d[:3]
-        offset = d[3]
-        axes += d[4:]
+        state += d
         cov = inverse[:3, :3].copy()
         has_settled = (d[:3] ** 2 < UNSETTLED**2 * np.diag(cov)).all()
         if is_last:
             break
         is_last = (d[:3] ** 2 < STILL**2 * np.diag(cov)).all()
-    return pose, cov, offset, sd, has_settled, weights, rows
+    return state, cov, sd, has_settled, weights, rows
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _see(values, moves, state, walls, rows, by_axis):  # type: ignore[no-untyped-def]
+    """Fill in residuals at a state, and how they move with the calibration's axes."""
+    residuals(values, 1, state, walls, rows)
+    if moves.shape[1] > 0:
+        moved_residuals(values, moves, state, walls, rows, by_axis)
+        for i in range(len(rows)):
+            for k in range(by_axis.shape[1]):
+                rows[i, 0] += by_axis[i, k] * state[4 + k]
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _moved_on(rows, by_axis, d):  # type: ignore[no-untyped-def]
+    """Move residuals on by a step through their derivatives; tell whether it is so short."""
+    if np.hypot(d[0], d[1]) > FLAT[0] or abs(d[2]) > FLAT[1]:
+        return False
+    for i in range(len(rows)):
+        rows[i, 0] += rows[i, 1] * d[0] + rows[i, 2] * d[1] + rows[i, 3] * d[2]
+        for k in range(by_axis.shape[1]):
+            rows[i, 0] += by_axis[i, k] * d[4 + k]
+    return True
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _solve(rows, by_axis, weights, sd, limits, state, walls):  # type: ignore[no-untyped-def]
+    """Return the step (4 + K,) of the state and the inverse of H; -1 if the border leaves it open.
+
+    The offset's step is from the offset that is; each of the calibration's axes is known to 1.
+    """
+    H, b = normal_equations(rows, by_axis, weights, sd, limits[3], limits[4], limits[5], len(walls))
+    for k in range(4, len(b)):
+        H[k, k] += 1.0
+        b[k] -= state[k]
+    size = np.sqrt(np.diag(H))
+    scaled = H / np.outer(size, size)
+    if not (size > 0.0).all() or not np.linalg.cond(scaled) < 1e10:
+        return np.zeros(len(b)), np.full((len(b), len(b)), -1.0)
+    inverse = np.linalg.inv(scaled) / np.outer(size, size)
+    d = inverse @ b
+    d[3] -= state[3]
+    return d, inverse
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def summary(rows, weights, offset, gate):  # type: ignore[no-untyped-def]
+    """Return how many pieces are walls', their mean square, and the share that lies behind walls.
+
+    Args:
+        rows: Of `residuals`, (N, 7).
+        weights: Of the rows, (N,).
+        offset: Of the border, px.
+        gate: How far behind a wall a piece has to lie, px.
+    """
+    num, total, beyond = 0, 0.0, 0
+    for i in range(len(rows)):
+        off = rows[i, 0] - offset
+        if weights[i] > 0.0:
+            num += 1
+            total += off * off
+        beyond += rows[i, 4] >= 0 and off < -gate
+    return num, total / max(num, 1), beyond / max(len(rows), 1)
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)

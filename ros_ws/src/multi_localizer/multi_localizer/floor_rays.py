@@ -31,15 +31,15 @@ class BorderRays:
         index: Path of each piece, (N,), int.
         values: cos phi, sin phi, rho, and for 1 px of noise var(phi), cov(phi, rho), var(rho), and
             the share of a whole measurement that it counts, (N, 7).
-        num_paths: Paths there are.
         moves: By how much phi and rho move if the calibration is off by a deviation along each of
             its K independent axes, (N, K, 2).
+        num_paths: Paths there are.
     """
 
     index: np.ndarray
     values: np.ndarray
-    num_paths: int
     moves: np.ndarray
+    num_paths: int
 
 
 class BorderScanner:
@@ -93,15 +93,14 @@ class BorderScanner:
             is_farther[farther] = True
         flat = np.ascontiguousarray(mask).reshape(-1)
         found = _first_floor(flat, self._flat, self._starts, is_farther)
-        index = np.flatnonzero(found >= 0)
-        at = found[index]
         if self._table is None or self._moves is None:
-            values = self._values(self._middles[at])
-            moves = moves_of(self._camera, self._middles[at])
+            middles = self._middles[found[found >= 0]]
+            table, moves = self._values(middles), moves_of(self._camera, middles)
+            found[found >= 0] = np.arange(len(middles))
         else:
-            values, moves = (t[at].astype(np.float64) for t in (self._table, self._moves))
-        keep = np.isfinite(values[:, 2])
-        return BorderRays(index[keep], values[keep], self.num_paths, moves[keep])
+            table, moves = self._table, self._moves
+        index, values, moved = _looked_up(found, table, moves)
+        return BorderRays(index, values, moved, self.num_paths)
 
 
 def rays_of_pixels(camera: FloorCamera, pixels: np.ndarray) -> BorderRays:
@@ -114,7 +113,7 @@ def rays_of_pixels(camera: FloorCamera, pixels: np.ndarray) -> BorderRays:
     values = measured(camera, pixels, np.inf)
     keep = np.isfinite(values[:, 2])
     return BorderRays(
-        np.flatnonzero(keep), values[keep], len(pixels), moves_of(camera, pixels[keep])
+        np.flatnonzero(keep), values[keep], moves_of(camera, pixels[keep]), len(pixels)
     )
 
 
@@ -171,6 +170,31 @@ def _first_floor(mask, flat, starts, is_farther):  # type: ignore[no-untyped-def
                     found[k] = j
                 break
     return found
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _looked_up(found, table, moves):  # type: ignore[no-untyped-def]
+    """Return path, values (N, 7) and moves (N, K, 2) of the border found, as far as it is floor's.
+
+    Args:
+        found: Row of the tables for each path, -1 for none.
+        table: Values by row.
+        moves: Moves by row.
+    """
+    index = np.empty(len(found), np.int64)
+    values = np.empty((len(found), table.shape[1]))
+    moved = np.empty((len(found), moves.shape[1], 2))
+    num = 0
+    for k in range(len(found)):
+        if found[k] < 0 or not np.isfinite(table[found[k], 2]):
+            continue
+        index[num] = k
+        for i in range(table.shape[1]):
+            values[num, i] = table[found[k], i]
+        for i in range(moves.shape[1]):
+            moved[num, i, 0], moved[num, i, 1] = moves[found[k], i, 0], moves[found[k], i, 1]
+        num += 1
+    return index[:num], values[:num], moved[:num]
 
 
 def _ring(camera: FloorCamera, reach_m: float, num: int) -> np.ndarray:

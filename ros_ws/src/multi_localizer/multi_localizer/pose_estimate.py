@@ -26,15 +26,27 @@ class PoseEstimate:
 
     def __post_init__(self) -> None:
         cov = np.array(self.cov, dtype=float)
-        if cov.shape != (3, 3) or not np.all(np.isfinite(cov)):
+        if cov.shape != (3, 3) or not np.isfinite(cov).all():
             raise ValueError(f"cov must be (3, 3) and finite, got {cov.tolist()}")
         if (abs(cov - cov.T) > 1e-6 * abs(cov) + 1e-12).any():
             raise ValueError(f"cov must be symmetric, got {cov.tolist()}")
         cov = 0.5 * (cov + cov.T)
-        if np.linalg.eigvalsh(cov)[0] <= 0.0:
+        if not _is_positive(*cov.tolist()):
             raise ValueError(f"cov must be positive definite, got {cov.tolist()}")
         cov.flags.writeable = False
         object.__setattr__(self, "cov", cov)
+
+
+def _is_positive(first: list[float], second: list[float], third: list[float]) -> bool:
+    """Return whether a symmetric matrix of these rows is positive definite (Cholesky's pivots)."""
+    a, (_, b, _), (_, _, c) = first[0], second, third
+    if a <= 0.0:
+        return False
+    b -= first[1] * first[1] / a
+    if b <= 0.0:
+        return False
+    off = second[2] - first[1] * first[2] / a
+    return c - first[2] * first[2] / a - off * off / b > 0.0
 
 
 def difference(a: SE2, b: SE2) -> np.ndarray:
@@ -88,7 +100,6 @@ def moved(estimate: PoseEstimate, T_body_base: SE2) -> PoseEstimate:
 
 def placed(T_new_map: SE2, estimate: PoseEstimate) -> PoseEstimate:
     """Return an estimate in other axes of the map; its covariance turns with them."""
-    R = SE2(0.0, 0.0, T_new_map.yaw)
-    turn = np.eye(3)
-    turn[:2, :2] = (R @ np.eye(2)).T
+    c, s = np.cos(T_new_map.yaw), np.sin(T_new_map.yaw)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     return PoseEstimate(T_new_map @ estimate.pose, turn @ estimate.cov @ turn.T)
