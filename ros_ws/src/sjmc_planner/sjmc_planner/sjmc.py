@@ -59,8 +59,8 @@ _SHARES = (1.0, 0.75, 0.5, 0.3, 0.15)  # of a course's speed, tried in turn
 _LOOKS = (1.0, 0.5, 0.25)  # of look_m
 _MOST = 24  # courses looked along with each
 _SLOW, _HELD = 0.03, 0.1  # m/s
-_KEEP_GAP = 0.01  # nearer than asked for already: no nearer than this, m
-_NO_GAP = 1e-3
+_KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
+_NO_GAP = 1e-6
 _CREEP = 0.2
 _SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
 
@@ -293,5 +293,8 @@ class Sjmc:
         off = np.abs(np.remainder(moment.bearings - course + np.pi, 2.0 * np.pi) - np.pi)
         region = self._box.grown(self._robot.margin_m).corners()
         times = moment.free / self._robot.speed_m_s
-        debug = Debug(region, ways, times, int(np.argmin(off)))
+        ahead = self._box.front
+        zones = ahead + self._config.danger_m, ahead + self._config.caution_m
+        people = moment.scene.people
+        debug = Debug(region, ways, times, int(np.argmin(off)), zones, people)
         return Decision(command, decision.state, decision.reason, debug)
