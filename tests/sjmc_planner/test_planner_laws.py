@@ -40,9 +40,8 @@ FEW = settings(max_examples=15, deadline=None, suppress_health_check=[HealthChec
 
 every_method = pytest.mark.parametrize("name", NAMES)
 every_drive = pytest.mark.parametrize("drive", ["omni", "differential"])
-NOT_YET: set[str] = set()
 stopping_methods = pytest.mark.parametrize(
-    "name", [name for name in NAMES if name not in WITHOUT_STOPPING | NOT_YET]
+    "name", [name for name in NAMES if name not in WITHOUT_STOPPING]
 )
 
 

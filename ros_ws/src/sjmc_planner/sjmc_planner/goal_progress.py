@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 from sjmc_planner.planning import REACHED
 
 _IDLE = "idle"
+_FIGURES = re.compile(r"[-\d.]+")
 _SURELY = 6  # states in a row, 3 s: it has the goal by then
 
 
@@ -29,12 +32,12 @@ class GoalProgress:
 
         Args:
             state: As on `planner/state`.
-            reason: Beside it; figures behind " is " change and make no new line.
+            reason: Beside it; figures, and what is behind " is ", make no new line.
         """
         self._is_on_its_way |= state not in (REACHED, _IDLE, "")
         self._num_reached = self._num_reached + 1 if state == REACHED else 0
         self.is_reached = state == REACHED and (self._is_on_its_way or self._num_reached >= _SURELY)
         if state == REACHED and not self.is_reached:
             return ""
-        said, self._said = self._said, (state, reason.split(" is ")[0])
+        said, self._said = self._said, (state, _FIGURES.sub("", reason.split(" is ")[0]))
         return (f"{state}: {reason}" if reason else state) if self._said != said else ""

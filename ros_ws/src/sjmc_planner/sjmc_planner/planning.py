@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -99,12 +99,16 @@ class Debug:
         candidates: A predicted way for each direction weighed, shapes (K, 2), m.
         times: How long each of them is free, s, shape (J,); inf = as far as was looked.
         chosen: Index of the one taken; -1 for none.
+        zones: Radii of circles about the robot that matter to it, m.
+        people: Who it takes for people: x, y, vx, vy, radius, shape (P, 5), m and m/s.
     """
 
     grown: np.ndarray
     candidates: Sequence[np.ndarray]
     times: np.ndarray
     chosen: int
+    zones: tuple[float, ...] = ()
+    people: np.ndarray = field(default_factory=lambda: np.zeros((0, 5)))
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,9 @@ from floornav_common.ros.messages import se2_to_pose
 from floornav_common.se2 import SE2
 from sjmc_planner.planning import Debug, Velocity
 
-_GROWN, _OPEN, _SHUT, _CHOSEN = (
-    (0.9, 0.4, 0.1, 0.9), (0.2, 0.7, 0.3, 0.6), (0.6, 0.6, 0.6, 0.4), (0.1, 0.3, 1.0, 1.0)
+_GROWN, _OPEN, _SHUT, _CHOSEN, _ZONE, _PERSON = (
+    (0.9, 0.4, 0.1, 0.9), (0.2, 0.7, 0.3, 0.6), (0.6, 0.6, 0.6, 0.4), (0.1, 0.3, 1.0, 1.0),
+    (0.9, 0.7, 0.1, 0.8), (0.8, 0.1, 0.6, 1.0),
 )  # fmt: skip
 _LINE_M = 0.01
 
@@ -84,20 +85,31 @@ def state_to_msg(
 
 
 def debug_to_msg(debug: Debug, stamp: Any, frame_id: str) -> MarkerArray:
-    """Return the grown obstacles, the ways weighed and the one taken."""
+    """Return the grown obstacles, the ways weighed, the one taken, zones and people."""
     shut = [w for w, t in zip(debug.candidates, debug.times, strict=True) if np.isfinite(t)]
     free = [w for w, t in zip(debug.candidates, debug.times, strict=True) if not np.isfinite(t)]
     taken = [debug.candidates[debug.chosen]] if debug.chosen >= 0 else []
     border = debug.grown[np.isfinite(debug.grown).all(axis=1)]
+    zones = [_circle(0.0, 0.0, radius) for radius in debug.zones]
+    bodies = [_circle(x, y, radius) for x, y, _, _, radius in debug.people]
+    walks = [np.array([[x, y], [x + vx, y + vy]]) for x, y, vx, vy, _ in debug.people]
     markers = [
         _marker(Marker.POINTS, "grown obstacles", border, _GROWN),
         _marker(Marker.LINE_LIST, "ways not free", _segments(shut), _SHUT),
         _marker(Marker.LINE_LIST, "ways free", _segments(free), _OPEN),
         _marker(Marker.LINE_LIST, "way taken", _segments(taken), _CHOSEN),
+        _marker(Marker.LINE_LIST, "zones", _segments(zones), _ZONE),
+        _marker(Marker.LINE_LIST, "people", _segments([*bodies, *walks]), _PERSON),
     ]
     for marker in markers:
         marker.header.stamp, marker.header.frame_id = stamp, frame_id
     return MarkerArray(markers=markers)
+
+
+def _circle(x: float, y: float, radius: float) -> np.ndarray:
+    """Return a circle as a line, shape (33, 2)."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 33)
+    return np.column_stack((x + radius * np.cos(turn), y + radius * np.sin(turn)))
 
 
 def _segments(ways: list[np.ndarray]) -> np.ndarray:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import re
+
 from diagnostic_msgs.msg import DiagnosticStatus
 from visualization_msgs.msg import MarkerArray
 
 from floornav_common.ros.diagnostics import ERROR, OK, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import RELIABLE_QOS, create_publisher
-from sjmc_planner.planning import BLOCKED, BRAKING, Debug
+from sjmc_planner.planning import BACKING, BLOCKED, BRAKING, WAITING, Debug
 from sjmc_planner.ros_conversions import debug_to_msg, state_to_msg
 
 STOPPED = "stopped"
 _STATE_PERIOD_NS, _MARKER_PERIOD_NS = 500_000_000, 200_000_000
-_LEVELS = {STOPPED: ERROR, BLOCKED: WARN, BRAKING: WARN}
+_LEVELS = {STOPPED: ERROR, BLOCKED: WARN, BRAKING: WARN, WAITING: WARN, BACKING: WARN}
+_FIGURES = re.compile(r"[-\d.]+")  # a reason is no other one for its figures
 
 
 class PlannerReport:
@@ -40,7 +43,7 @@ class PlannerReport:
             self._forget_waiting()
         elif self._waiting_since_ns is None:
             self._waiting_since_ns = self._node.time.read_ns()
-        is_new = (state, reason.split(" is ")[0]) != (self._state, self._reason.split(" is ")[0])
+        is_new = state != self._state or _words(reason) != _words(self._reason)
         self._state, self._reason, self._left_m = state, reason, left_m
         if is_new:
             self._say()
@@ -84,3 +87,7 @@ class PlannerReport:
         self._state_pub.publish(
             state_to_msg(name, level, self._state, self._reason, self._waited_s, self._left_m)
         )
+
+
+def _words(reason: str) -> str:
+    return _FIGURES.sub("", reason.split(" is ")[0])
