@@ -19,12 +19,12 @@ from multi_localizer.team_identify import believe
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import prior_distance, put, returned
 from multi_localizer.team_relocate import MOST_PRIOR, nearest_table
-from multi_localizer.team_seats import NEVER, open_places, seat_scores
+from multi_localizer.team_seats import NEVER, known_robots, open_places, seat_scores
 from multi_localizer.team_state import Identification
 from multi_localizer.team_trust import WRONG_PRIOR
 
 _AROUND = 0.3  # m around the team
-_REACH = 2.5  # deviations of a rough pose
+_REACH = 3.5  # deviations of a rough pose
 _STEP = 0.1  # m, of the grid
 _APART = 0.2  # m
 _SPARE = 3  # times as many places are looked at as robots are missing
@@ -52,7 +52,7 @@ def reseat(
         moved: Which robots have one, (N,) bool.
     """
     moved = np.zeros(problem.num_robots, dtype=np.bool_)
-    if problem.num_robots - lost.sum() < _LEAST_PLACED:
+    if not lost.any() or problem.num_robots - lost.sum() < _LEAST_PLACED:
         return found, moved
     x, cov = found.fit.poses.copy(), found.fit.cov.copy()
     weight = found.prior_weight.copy()
@@ -83,11 +83,14 @@ def _seats(
     x, cov, width = found.fit.poses, found.fit.cov, 2.0 * config.body_radius_m
     is_open = returned(problem, without_robots(problem, found, lost, config)) < 0
     table = nearest_table(problem.start, problem.bearings, np.ones_like(is_open))
-    low, high = _area(problem, x[~lost, :2], lost)
-    hidden_rate = width / float(np.prod(high - low))
-    arrays = (x, cov, problem.bearings, problem.var, is_open, table, ~lost)
+    corners = _corners(problem, x[~lost, :2])
+    hidden_rate = width / float(np.prod(corners[1] - corners[0]))
+    around, reach = _around(problem, corners, lost)
+    low, high = (around - reach[:, None]).min(axis=0), (around + reach[:, None]).max(axis=0)
+    known = known_robots(x, cov, ~lost)
+    arrays = (known, problem.bearings, problem.var, is_open, table)
     places = open_places(
-        low, high, _STEP, _APART, _SPARE * int(lost.sum()) + _SPARE_MORE,
+        low, high, _STEP, _APART, _SPARE * int(lost.sum()) + _SPARE_MORE, around, reach,
         hidden_rate * problem.num_robots, config.detected_share, width, *arrays,
     )  # fmt: skip
     mark_start = np.searchsorted(problem.mark_robot, np.arange(problem.num_robots + 1))
@@ -100,18 +103,24 @@ def _seats(
     return places, scores, yaws
 
 
-def _area(
-    problem: TeamProblem, known: np.ndarray, lost: np.ndarray
+def _corners(problem: TeamProblem, known: np.ndarray) -> np.ndarray:
+    """Return the corners of a box around known robots and landmarks, (2, 2), m."""
+    places = np.vstack((known, problem.marks))
+    return np.vstack((places.min(axis=0) - _AROUND, places.max(axis=0) + _AROUND))
+
+
+def _around(
+    problem: TeamProblem, corners: np.ndarray, lost: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the corners of where a lost robot may be: around the others and the rough poses."""
-    rough = lost & problem.has_prior
-    reach = _REACH * np.array(
-        [np.sqrt(np.diag(np.linalg.inv(info))[:2]) for info in problem.prior_info[rough]]
-    ).reshape(-1, 2)
-    around = np.vstack((known, problem.marks))
-    places = problem.prior[rough, :2]
-    low = np.vstack((around - _AROUND, places - reach)).min(axis=0)
-    return low, np.vstack((around + _AROUND, places + reach)).max(axis=0)
+    """Return disks where the lost robots may be, by their rough poses: middles and radii, m.
+
+    If one has no rough pose it is one disk around the whole box.
+    """
+    if problem.has_prior[lost].all():
+        sd = [np.sqrt(np.diag(np.linalg.inv(info))[:2].max()) for info in problem.prior_info[lost]]
+        return problem.prior[lost, :2], _REACH * np.array(sd)
+    half = 0.5 * float(np.hypot(*(corners[1] - corners[0])))
+    return corners.mean(axis=0)[None], np.array([half])
 
 
 def without_robots(

@@ -29,6 +29,7 @@ _FAR = 16.0  # squared deviations beyond which a bearing is not the robot's
 _BLUR = 0.35  # of a grid's step
 _EDGE_SD = 0.03  # m
 _LEAST_CLEAR = 0.02
+_FINER = 3  # times the grid is halved around a peak
 _YAW_STEP = 0.03  # rad
 _YAW_REACH = 3.5  # deviations of a rough yaw
 NEVER = -1e3
@@ -55,27 +56,37 @@ def back_ratio(e: float, v: float, detected: float, is_open: bool) -> float:
 
 
 @numba.njit(cache=True)
+def known_robots(x: np.ndarray, cov: np.ndarray, is_placed: np.ndarray) -> np.ndarray:
+    """Return the robots that are known: index, x, y, yaw, variances of place and yaw, (R, 6)."""
+    known, num = np.empty((len(x), 6)), 0
+    for j in range(len(x)):
+        if is_placed[j]:
+            known[num, 0], known[num, 1:4] = j, x[j]
+            known[num, 4], known[num, 5] = position_sd(cov, j) ** 2, cov[3 * j + 2, 3 * j + 2]
+            num += 1
+    return known[:num]
+
+
+@numba.njit(cache=True)
 def crossing(
     px: float, py: float, blur: float, hidden_rate: float, detected: float, width: float,
-    x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
-    table: np.ndarray, is_placed: np.ndarray,
+    known: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
+    table: np.ndarray,
 ) -> float:  # fmt: skip
-    """Return how well the known robots' open bearings meet at a place, a log-likelihood ratio."""
+    """Return how well the known robots' bearings meet at a place, a log-likelihood ratio."""
     score, product = 0.0, 1.0
-    for j in range(len(x)):
-        if not is_placed[j]:
-            continue
-        dx, dy = px - x[j, 0], py - x[j, 1]
+    for r in range(len(known)):
+        dx, dy = px - known[r, 1], py - known[r, 2]
         squared = dx * dx + dy * dy
-        product *= _TOO_CLOSE if squared < width * width else 1.0
+        if squared < width * width:
+            product *= _TOO_CLOSE
         squared = max(squared, _NEAREST)
         far = hidden_rate * np.sqrt(squared)
         seen = detected / (1.0 + far + 0.5 * far * far)  # about detected * exp(-far)
-        expected = np.arctan2(dy, dx) - x[j, 2]
-        k = look_up(table, j, expected)
+        expected = np.arctan2(dy, dx) - known[r, 3]
+        k = look_up(table, int(known[r, 0]), expected)
         if k >= 0:
-            spread = position_sd(cov, j) ** 2 + blur * blur
-            v = var[k] + spread / squared + cov[3 * j + 2, 3 * j + 2]
+            v = var[k] + (known[r, 4] + blur * blur) / squared + known[r, 5]
             product *= back_ratio(wrap(bearings[k] - expected), v, seen, is_open[k])
         else:
             product *= 1.0 - seen
@@ -86,9 +97,9 @@ def crossing(
 
 @numba.njit(cache=True)
 def open_places(
-    low: np.ndarray, high: np.ndarray, step: float, apart: float, most: int, hidden_rate: float,
-    detected: float, width: float, x: np.ndarray, cov: np.ndarray, bearings: np.ndarray,
-    var: np.ndarray, is_open: np.ndarray, table: np.ndarray, is_placed: np.ndarray,
+    low: np.ndarray, high: np.ndarray, step: float, apart: float, most: int, around: np.ndarray,
+    reach: np.ndarray, hidden_rate: float, detected: float, width: float, known: np.ndarray,
+    bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray, table: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Return the places at which most open bearings cross: x, y, score, (P, 3), best first.
 
@@ -98,53 +109,57 @@ def open_places(
         step: Of the grid, m.
         apart: No two places are closer, m.
         most: At most so many.
+        around: Middles of the disks that are looked at, (D, 2), m.
+        reach: Their radii, (D,), m.
         hidden_rate: Robots that hide what is behind them, 1 / m along a line of sight.
         detected: Chance that what can be seen is detected.
         width: Of a robot, m.
-        x: Poses, (N, 3).
-        cov: Their covariance, (3 N, 3 N).
+        known: As `known_robots` returns them.
         bearings: (M,), rad.
         var: Their variances, (M,).
         is_open: Bearings without an owner, (M,) bool.
         table: Of `nearest_table`.
-        is_placed: Robots that are known, (N,) bool.
     """
     rows, cols = int((high[1] - low[1]) / step) + 1, int((high[0] - low[0]) / step) + 1
     scores = np.full((rows + 2, cols + 2), -np.inf)
     for r in range(rows):
         for c in range(cols):
-            scores[r + 1, c + 1] = crossing(
-                low[0] + c * step, low[1] + r * step, _BLUR * step, hidden_rate, detected, width,
-                x, cov, bearings, var, is_open, table, is_placed,
-            )  # fmt: skip
-    peaks = _peaks(scores)
+            px, py = low[0] + c * step, low[1] + r * step
+            if _is_within(px, py, around, reach):
+                scores[r + 1, c + 1] = crossing(
+                    px, py, _BLUR * step, hidden_rate, detected, width, known, bearings, var,
+                    is_open, table,
+                )  # fmt: skip
     places, found = np.empty((most, 3)), 0
-    for at in peaks[: 4 * most]:
+    for at in _peaks(scores):
         px, py = low[0] + (at % (cols + 2) - 1) * step, low[1] + (at // (cols + 2) - 1) * step
-        px, py, score = _uphill(
-            px,
-            py,
-            step,
-            hidden_rate,
-            detected,
-            width,
-            x,
-            cov,
-            bearings,
-            var,
-            is_open,
-            table,
-            is_placed,
-        )
-        is_new = True
-        for p in range(found):
-            is_new &= (places[p, 0] - px) ** 2 + (places[p, 1] - py) ** 2 >= apart * apart
-        if is_new:
-            places[found, 0], places[found, 1], places[found, 2] = px, py, score
-            found += 1
         if found == most:
             break
+        if not _is_new(px, py, places[:found], 0.5 * apart):
+            continue
+        px, py, score = _uphill(
+            px, py, step, hidden_rate, detected, width, known, bearings, var, is_open, table
+        )
+        if _is_new(px, py, places[:found], apart):
+            places[found, 0], places[found, 1], places[found, 2] = px, py, score
+            found += 1
     return places[:found]
+
+
+@numba.njit(cache=True)
+def _is_within(px: float, py: float, around: np.ndarray, reach: np.ndarray) -> bool:
+    for k in range(len(around)):
+        if (around[k, 0] - px) ** 2 + (around[k, 1] - py) ** 2 <= reach[k] * reach[k]:
+            return True
+    return False
+
+
+@numba.njit(cache=True)
+def _is_new(px: float, py: float, places: np.ndarray, apart: float) -> bool:
+    for p in range(len(places)):
+        if (places[p, 0] - px) ** 2 + (places[p, 1] - py) ** 2 < apart * apart:
+            return False
+    return True
 
 
 @numba.njit(cache=True)
@@ -155,7 +170,10 @@ def _peaks(scores: np.ndarray) -> np.ndarray:
     num = 0
     for r in range(1, rows - 1):
         for c in range(1, cols - 1):
-            if scores[r, c] >= np.max(scores[r - 1 : r + 2, c - 1 : c + 2]):
+            is_low = scores[r, c] == -np.inf
+            for k in range(9):
+                is_low |= scores[r + k // 3 - 1, c + k % 3 - 1] > scores[r, c]
+            if not is_low:
                 at[num], values[num] = r * cols + c, -scores[r, c]
                 num += 1
     return at[:num][np.argsort(values[:num])]
@@ -164,20 +182,20 @@ def _peaks(scores: np.ndarray) -> np.ndarray:
 @numba.njit(cache=True)
 def _uphill(
     px: float, py: float, step: float, hidden_rate: float, detected: float, width: float,
-    x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
-    table: np.ndarray, is_placed: np.ndarray,
+    known: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
+    table: np.ndarray,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Return the best place around a cell of the grid, and its score, on ever finer grids."""
     score = -np.inf
-    for _ in range(4):
+    for _ in range(_FINER):
         step *= 0.5
         middle_x, middle_y, score = px, py, -np.inf
         for r in range(-1, 2):
             for c in range(-1, 2):
                 qx, qy = middle_x + c * step, middle_y + r * step
                 s = crossing(
-                    qx, qy, _BLUR * step, hidden_rate, detected, width, x, cov, bearings, var,
-                    is_open, table, is_placed,
+                    qx, qy, _BLUR * step, hidden_rate, detected, width, known, bearings, var,
+                    is_open, table,
                 )  # fmt: skip
                 if s > score:
                     px, py, score = qx, qy, s
@@ -187,8 +205,8 @@ def _uphill(
 @numba.njit(cache=True)
 def look_around(
     px: float, py: float, blur: float, hidden_rate: float, detected: float, width: float,
-    x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
-    table: np.ndarray, is_placed: np.ndarray,
+    known: np.ndarray, bearings: np.ndarray, var: np.ndarray, is_open: np.ndarray,
+    table: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Return what known robots there are around a place.
 
@@ -196,42 +214,37 @@ def look_around(
         Of each: direction from the place, variance of that, chance v that nothing stands between,
         and likelihood ratio l' of its own bearing back, (R, 4).
     """
-    around, num = np.empty((len(x), 4)), 0
-    for j in range(len(x)):
-        if not is_placed[j]:
-            continue
-        dx, dy = x[j, 0] - px, x[j, 1] - py
+    around = np.empty((len(known), 4))
+    for r in range(len(known)):
+        dx, dy = known[r, 1] - px, known[r, 2] - py
         squared = max(dx * dx + dy * dy, _NEAREST)
         phi = np.arctan2(dy, dx)
-        spread = (position_sd(cov, j) ** 2 + blur * blur) / squared
-        expected = phi + np.pi - x[j, 2]
-        k = look_up(table, j, expected)
-        around[num, 0], around[num, 1] = phi, spread
-        clear = np.exp(-hidden_rate * np.sqrt(squared)) * _clear(
-            px, py, dx, dy, j, 0.5 * width, x, is_placed
-        )
-        around[num, 2] = max(clear, _LEAST_CLEAR)
-        around[num, 3] = 1.0 - detected
+        spread = (known[r, 4] + blur * blur) / squared
+        expected = phi + np.pi - known[r, 3]
+        k = look_up(table, int(known[r, 0]), expected)
+        around[r, 0], around[r, 1] = phi, spread
+        clear = np.exp(-hidden_rate * np.sqrt(squared))
+        clear *= _clear(px, py, dx, dy, r, 0.5 * width, known)
+        around[r, 2] = max(clear, _LEAST_CLEAR)
+        around[r, 3] = 1.0 - detected
         if k >= 0:
-            v = var[k] + spread + cov[3 * j + 2, 3 * j + 2]
-            around[num, 3] = back_ratio(wrap(bearings[k] - expected), v, detected, is_open[k])
-        num += 1
-    return around[:num]
+            v = var[k] + spread + known[r, 5]
+            around[r, 3] = back_ratio(wrap(bearings[k] - expected), v, detected, is_open[k])
+    return around
 
 
 @numba.njit(cache=True)
 def _clear(
-    px: float, py: float, dx: float, dy: float, j: int, radius: float, x: np.ndarray,
-    is_placed: np.ndarray,
-) -> float:  # fmt: skip
-    """Return the chance that no known robot stands on the way (dx, dy) from a place to robot j."""
+    px: float, py: float, dx: float, dy: float, to: int, radius: float, known: np.ndarray
+) -> float:
+    """Return the chance that no known robot stands on the way (dx, dy) from a place to one."""
     chance = 1.0
     squared = max(dx * dx + dy * dy, _NEAREST)
     length = np.sqrt(squared)
-    for k in range(len(x)):
-        ex, ey = x[k, 0] - px, x[k, 1] - py
+    for k in range(len(known)):
+        ex, ey = known[k, 1] - px, known[k, 2] - py
         along = ex * dx + ey * dy
-        if not is_placed[k] or k == j or along <= 0.0 or along >= squared:
+        if k == to or along <= 0.0 or along >= squared:
             continue
         far = (abs(ex * dy - ey * dx) / length - radius) / _EDGE_SD
         if far < 3.0:
@@ -281,10 +294,9 @@ def mark_pattern(
 def seat_scores(
     who: np.ndarray, places: np.ndarray, prior: np.ndarray, prior_info: np.ndarray,
     has_prior: np.ndarray, blur: float, hidden_rate: float, detected: float, width: float,
-    most_prior: float, x: np.ndarray, cov: np.ndarray, bearings: np.ndarray, var: np.ndarray,
-    is_open: np.ndarray, table: np.ndarray, is_placed: np.ndarray, mark_start: np.ndarray,
-    mark_bearing: np.ndarray, mark_var: np.ndarray, marks: np.ndarray, mark_first: np.ndarray,
-    mark_last: np.ndarray,
+    most_prior: float, known: np.ndarray, bearings: np.ndarray, var: np.ndarray,
+    is_open: np.ndarray, table: np.ndarray, mark_start: np.ndarray, mark_bearing: np.ndarray,
+    mark_var: np.ndarray, marks: np.ndarray, mark_first: np.ndarray, mark_last: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return the score of each robot of `who` at each place, and its yaw there, (W, P) each.
 
@@ -299,13 +311,11 @@ def seat_scores(
         detected: Chance that what can be seen is detected.
         width: Of a robot, m.
         most_prior: A rough pose speaks against a place no louder; where it would, nobody is put.
-        x: Poses, (N, 3).
-        cov: Their covariance, (3 N, 3 N).
+        known: As `known_robots` returns them.
         bearings: (M,), rad.
         var: Their variances, (M,).
         is_open: Bearings without an owner, (M,) bool.
         table: Of `nearest_table`.
-        is_placed: Robots that are known, (N,) bool.
         mark_start: Where each robot's bearings to landmarks begin, (N + 1,).
         mark_bearing: (K,), rad.
         mark_var: (K,), rad^2.
@@ -317,19 +327,7 @@ def seat_scores(
     for p in range(len(places)):
         px, py = places[p, 0], places[p, 1]
         around = look_around(
-            px,
-            py,
-            blur,
-            hidden_rate,
-            detected,
-            width,
-            x,
-            cov,
-            bearings,
-            var,
-            is_open,
-            table,
-            is_placed,
+            px, py, blur, hidden_rate, detected, width, known, bearings, var, is_open, table
         )
         for a in range(len(who)):
             u = who[a]
