@@ -36,7 +36,9 @@ EXPERIMENTS = {
     "live-team": "four simulated robots see each other, each with its own nodes: errors live",
     "team-localization": "the team paper: 4 robots, then 3 to 50, beside robots alone and bounds",
     "live-mapping": "a bag through replay and the live node beside map_bag: --bag BAG ...",
+    "stereo-localization": "pose in a voxel map by stereo pairs beside the paper's Table 3; a drive",
     "stereo-matching": "disparities by DP beside OpenCV's: rendered pairs, or --pair LEFT RIGHT",
+    "people-tracking": "people followed from scans beside the truth, and false movers",
     "crowd": "every planning method, ORCA and DWA among people who react: [--people FILE ...]",
     "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
 }
