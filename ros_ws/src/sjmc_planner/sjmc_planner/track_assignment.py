@@ -18,9 +18,10 @@ FIRST, SECOND, CX, CY, SD, RADIUS, FREE, KNOWN = range(8)
 NUM_CANDIDATE_COLUMNS = 8
 _GATE2 = 11.8  # chi^2 of two dimensions, 99.7 %
 _REACH = 1.5  # no candidate farther from where it is expected is looked at, m
-_SD_BODY, _SD_HIDDEN, _SD_PAIR, _SD_LEG = 0.05, 0.12, 0.06, 0.16
+_SD_BODY, _SD_HIDDEN, _SD_PAIR, _SD_LEG = 0.05, 0.12, 0.06, 0.22
 _SD_SHARE = 0.006  # of the range
 _LEG_PENALTY = 3.0
+_LATE, _LATE_WALKS = 0.5, 0.4  # how far off a walker may still be, m, and how surely it walks
 
 
 @numba.njit(cache=True, nogil=True)
@@ -115,6 +116,33 @@ def assign(  # type: ignore[no-untyped-def]
         if chosen[t] < 0 and is_left(candidates[c], taken):
             chosen[t] = c
             take(candidates[c], taken)
+
+
+@numba.njit(cache=True, nogil=True)
+def assign_late(candidates, num, means, p_walks, num_tracks, taken, chosen):  # type: ignore[no-untyped-def]
+    """Give walkers without a candidate the nearest one that is left; return which got one, (T,).
+
+    One leg alone says little of the middle: when the other comes into view again, the person may
+    be farther on than the filter thinks possible, and is still the same.
+    """
+    is_late = np.zeros(num_tracks, dtype=np.bool_)
+    for _ in range(num_tracks):
+        best, track, candidate = _LATE, -1, -1
+        for t in range(num_tracks):
+            if chosen[t] >= 0 or p_walks[t] < _LATE_WALKS:
+                continue
+            for c in range(num):
+                off = np.hypot(
+                    candidates[c, CX] - means[t, 1, 0], candidates[c, CY] - means[t, 1, 1]
+                )
+                if off < best and is_left(candidates[c], taken):
+                    best, track, candidate = off, t, c
+        if track < 0:
+            break
+        chosen[track] = candidate
+        is_late[track] = True
+        take(candidates[candidate], taken)
+    return is_late
 
 
 @numba.njit(cache=True, nogil=True)

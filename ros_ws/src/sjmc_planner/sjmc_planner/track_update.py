@@ -15,6 +15,7 @@ from sjmc_planner.track_assignment import (
     SD,
     SECOND,
     assign,
+    assign_late,
     is_left,
     take,
 )
@@ -35,6 +36,7 @@ _THROUGH_S = 0.35  # nor is somebody there whose place is seen through for so lo
 _ACROSS, _BEHIND = 0.2, 0.3  # what has to be free for that, m
 _OWN_LEG = 0.5  # a leg this near to somebody is rather theirs, m
 _LATELY_S = 0.25
+_SD_LATE = 0.1  # of whoever was farther on than expected, m
 _SIZE_TAKEN = 0.3  # of a new width into the old one
 
 
@@ -68,6 +70,7 @@ def see(  # type: ignore[no-untyped-def]
     taken = np.zeros(num_shapes, dtype=np.bool_)
     chosen = np.empty(num, dtype=np.int64)
     assign(candidates, num_candidates, means, covs, p_walks, num, taken, chosen)
+    is_late = assign_late(candidates, num_candidates, means, p_walks, num, taken, chosen)
     for t in range(num):
         info[t, SHAPE_A] = info[t, SHAPE_B] = -1.0
         if chosen[t] < 0:
@@ -75,7 +78,8 @@ def see(  # type: ignore[no-untyped-def]
         c = candidates[chosen[t]]
         told = _told(c[FREE], c[KNOWN]) * min(10.0 * since, 2.0)
         is_free = c[FREE] >= _IS_PARTLY_FREE
-        p_walks[t] = correct(means[t], covs[t], p_walks[t], c[CX], c[CY], c[SD] ** 2, told, is_free)
+        variance = c[SD] ** 2 + (_SD_LATE**2 if is_late[t] else 0.0)
+        p_walks[t] = correct(means[t], covs[t], p_walks[t], c[CX], c[CY], variance, told, is_free)
         info[t, UNSEEN] = 0.0
         info[t, HITS] += 1.0
         info[t, SHAPE_A], info[t, SHAPE_B] = c[FIRST], c[SECOND]
