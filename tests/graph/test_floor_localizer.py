@@ -122,7 +122,9 @@ def test_a_pose_is_settled_by_a_goal_kept_and_found_again(start: Any, peer: Any)
     wrong = [m for m in heard.poses if stamp_to_ns(m.header.stamp) >= began]
     assert all(is_near(m, THERE) for m in wrong)
 
-    see_until(robot, heard.says(ERROR, "refused"), np.zeros((50, 300), np.uint8), odometry)
+    other = np.zeros((50, 300), np.uint8)
+    see_until(robot, heard.says(ERROR, "give `camera_model` of the camera"), other, odometry)
+    see_until(robot, heard.says(ERROR, "refused", "input /floor/mask"), other, odometry)
     see_until(robot, heard.says(OK, "known"), carried, odometry, seen)
     assert node.stop() == 0
 

@@ -9,10 +9,11 @@ from typing import Protocol
 import numpy as np
 
 from floornav_common.floor_camera import FloorCamera
-from floornav_common.image_size import camera_at_size
+from floornav_common.image_size import camera_at_size, shape_doubt
 from floornav_common.se2 import SE2
 from multi_localizer.floor_config import FloorFitConfig
 from multi_localizer.floor_fitter import FloorFit, FloorShapeFitter
+from multi_localizer.floor_misfit import FloorMisfit
 from multi_localizer.floor_node_config import FloorPoseConfig
 from multi_localizer.floor_plan import FloorPlan
 from multi_localizer.floor_tracker import FloorTracker
@@ -42,7 +43,9 @@ class FloorLocalizer:
 
     Attributes:
         tracker: Which of the poses that fit is the robot's.
+        misfit: Whether plan and camera are in doubt.
         newest: What the newest mask fits; None before the first.
+        size_doubt: What is doubtful about the size of the masks; "" if nothing.
     """
 
     def __init__(
@@ -57,7 +60,9 @@ class FloorLocalizer:
         self._plan, self._config, self._make_fitter = plan, config, make_fitter
         self._fitters: dict[tuple[int, ...], Fitter] = {}
         self.tracker = FloorTracker(plan.goals, config.track)
+        self.misfit = FloorMisfit()
         self.newest: FloorFit | None = None
+        self.size_doubt = ""
 
     def reconfigure(self, config: FloorPoseConfig) -> None:
         """Go on with other values."""
@@ -82,6 +87,7 @@ class FloorLocalizer:
         guess = self._guess(stamp_ns, T_odom_base)
         fit = fitter.fit(mask, None if guess is None else moved(guess, T_base_floor))
         self.newest = fit
+        self.misfit.note(stamp_ns, fit)
         T_floor_base = T_base_floor.inverse()
         candidates = [moved(c, T_floor_base) for c in fit.candidates]
         self.tracker.update(stamp_ns, candidates, fit.problem, T_odom_base, fit.costs)
@@ -105,6 +111,11 @@ class FloorLocalizer:
 
     def _fitter(self, shape: tuple[int, ...]) -> Fitter:
         if shape not in self._fitters:
-            camera = camera_at_size(self._calibrated, *shape)
+            try:
+                camera = camera_at_size(self._calibrated, *shape)
+            except ValueError as error:
+                cure = "give `camera_model` of the camera that the masks come from"
+                raise ValueError(f"{error}: {cure}") from error
+            self.size_doubt = shape_doubt(self._calibrated, *shape)
             self._fitters = {shape: self._make_fitter(camera, self._plan, self._config.fit)}
         return self._fitters[shape]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from floornav_common.ros.diagnostics import OK, STALE, Status
+from floornav_common.ros.diagnostics import ERROR, OK, STALE, Status
 from floornav_common.ros.qos import publisher_names
 from floornav_common.time_watch import Deadline
 
@@ -29,11 +29,17 @@ class Watchdog:
         node.time.on_restart(self._deadline.restart)
         node.diagnostics.add(f"input {topic}", self.status)
         node.time.on_look(self._say_change)
-        self._has_said_silence = False
+        self._has_said_silence, self._refusal = False, ""
 
     def feed(self) -> None:
         """Note that the input came."""
+        self._refusal = ""
         self._deadline.feed(self._node.time.read_ns())
+
+    def refuse(self, why: str) -> None:
+        """Note that the input came and cannot be used: it counts as heard, not as well."""
+        self.feed()
+        self._refusal = why
 
     def set_timeout(self, timeout_s: float) -> None:
         """Change the silence allowed, s."""
@@ -51,17 +57,19 @@ class Watchdog:
         is_missing = not self.is_fresh and self._deadline.is_over(self._node.time.read_ns())
         if is_missing and not self._has_said_silence:
             self._node.get_logger().warning(f"{self.topic}: {self.status().message}")
-        elif self._has_said_silence and self.is_fresh:
+        elif self._has_said_silence and self.is_fresh and not self._refusal:
             self._node.get_logger().info(f"{self.topic}: arriving")
         else:
             return
         self._has_said_silence = is_missing
 
     def status(self) -> Status:
-        """Return OK, or STALE with what is missing and who publishes it."""
+        """Return OK, ERROR for what is refused, or STALE with what is missing and who sends it."""
         time = self._node.time
         silence_s = self._deadline.silence_ns(time.read_ns()) / 1e9
         values = {"silent for (s)": f"{silence_s:.2f}", "timeout (s)": self._timeout_s}
+        if self.is_fresh and self._refusal:
+            return Status(ERROR, f"refused: {self._refusal}", values)
         if self.is_fresh:
             return Status(OK, "arriving", values)
         if time.is_stopped:

@@ -108,7 +108,6 @@ class FloorLocalizerNode(FloornavNode):
             self._localizer.take_mask(stamp_ns, mask, T_base_floor, T_odom_base)
         except ValueError as error:
             self._report.refuse(str(error))
-            self._warn(f"{self._masks.topic}: {error}")
             return
         self._report.note_mask(1e3 * (time.perf_counter() - started))
         self._publish(msg.header.stamp, T_odom_base)

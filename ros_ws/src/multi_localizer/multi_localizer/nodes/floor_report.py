@@ -51,7 +51,7 @@ class FloorReport:
 
     def refuse(self, why: str) -> None:
         """Note a mask that cannot be used."""
-        self._watchdog.feed()
+        self._watchdog.refuse(why)
         self._refusal = why
 
     def status(self) -> Status:
@@ -61,10 +61,14 @@ class FloorReport:
             return Status(STALE, "no masks of the floor: no pose is sent", values)
         if self._refusal:
             return Status(ERROR, f"the mask is refused: {self._refusal}", values)
+        doubt = self._localizer.misfit.reason
         if tracker.state is TrackState.LOST:
-            return Status(ERROR, f"lost: {tracker.reason}", values)
+            why = f"{tracker.reason}; {doubt}" if doubt else tracker.reason
+            return Status(ERROR, f"lost: {why}", values)
         if tracker.state is TrackState.OPEN:
             return Status(WARN, f"no pose is sent: {tracker.reason}", values)
+        if doubt:
+            return Status(WARN, f"the pose is known, but may be wrong: {doubt}", values)
         return Status(OK, "the pose is known", values)
 
     def _values(self) -> dict[str, object]:
@@ -93,5 +97,8 @@ class FloorReport:
             values["border pixels on walls"] = fit.num_points
             values["residual (px)"] = f"{fit.residual_px:.2f}"
             values["hidden (share)"] = f"{fit.hidden_share:.2f}"
+            values["border inside the walls (px)"] = f"{fit.offset_px:.2f}"
+        if self._localizer.size_doubt:
+            values["size of the masks"] = self._localizer.size_doubt
         values.update({f"{kind} seen": num for kind, num in self._goals.items()})
         return values
