@@ -48,10 +48,13 @@ class LookAlikes:
     Args:
         scene: The map.
         cameras: The left camera of each pair.
+
+    Attributes:
+        scene: The map.
     """
 
     def __init__(self, scene: VoxelScene, cameras: Sequence[ViewCamera]) -> None:
-        self._scene, self._cameras = scene, tuple(cameras)
+        self.scene, self._cameras = scene, tuple(cameras)
         config = StereoLocalizerConfig()
         self._weight = config.distance_weight
         poses = first_candidates(scene, config).poses
@@ -69,7 +72,7 @@ class LookAlikes:
         """
         coarse, middle, fine = (self._views(pose, size) for size in (_COARSE, _MIDDLE, _FINE))
         total = sum(
-            published_scores(*shown, view, self._weight, self._scene.voxels.farthest_m)
+            published_scores(*shown, view, self._weight, self.scene.voxels.farthest_m)
             for shown, view in zip(self._shown, coarse, strict=True)
         )
         far = np.hypot(*(self._mesh[:, :2] - (pose.x, pose.y)).T) > FAR_M
@@ -89,17 +92,17 @@ class LookAlikes:
         return Twin(SE2(*seeds[best].tolist()), float(scores[best]))
 
     def _opposite(self, pose: SE2) -> np.ndarray:
-        m = self._scene.voxels
+        m = self.scene.voxels
         middle = (m.origin_x_m + m.size_m[0] / 2.0, m.origin_y_m + m.size_m[1] / 2.0)
         return np.array([[2 * middle[0] - pose.x, 2 * middle[1] - pose.y, pose.yaw + math.pi]])
 
     def _are_free(self, poses: np.ndarray) -> np.ndarray:
-        return np.all([self._scene.is_free(poses, camera) for camera in self._cameras], axis=0)
+        return np.all([self.scene.is_free(poses, camera) for camera in self._cameras], axis=0)
 
     def _views(self, pose: SE2, size: tuple[int, int]) -> list[StereoView]:
         views = []
         for camera in self._cameras:
-            color, distance = self._scene.render(_row(pose), camera, size, _rays_of(size))
+            color, distance = self.scene.render(_row(pose), camera, size, _rays_of(size))
             known = np.isfinite(distance[0]).astype(np.float32)
             views.append(StereoView(color[0], distance[0], 1.0 / distance[0], known))
         return views
@@ -110,8 +113,8 @@ class LookAlikes:
         total = np.zeros(len(poses))
         for camera, view in zip(self._cameras, views, strict=True):
             assert view is not None
-            shown = self._scene.render(poses, camera, size, _rays_of(size))
-            total += published_scores(*shown, view, self._weight, self._scene.voxels.farthest_m)
+            shown = self.scene.render(poses, camera, size, _rays_of(size))
+            total += published_scores(*shown, view, self._weight, self.scene.voxels.farthest_m)
         return total / len(self._cameras)
 
 
