@@ -25,9 +25,11 @@ from multi_localizer.team_state import PLAIN, Identification
 
 _COLD_AT = 0.8  # of the rounds
 _INERTIA = 0.5
+_GATE = 0.75  # times the gate: of innovations that count as wider
+_LOOKS = 4  # rounds for which it stands who hides whom
 _MESSAGES = 6  # a round; the next one goes on
 _SURE = 0.9
-_AGAIN = 8  # rounds after a search
+_AGAIN = 6  # rounds after a search
 _STRICTER = 0.15  # of the share that is asked for, after a search in vain
 _USUAL = 0.8  # of what the team's median robot has returned is enough
 _LEAST_CONFIRMED = 0.4
@@ -125,11 +127,12 @@ def anneal(
 ) -> Identification:  # fmt: skip
     """Return identities and poses after a round of soft beliefs at each heat; `aims` go along."""
     fit = state.fit
-    for heat in heats:
-        visible = visibility(fit.poses, fit.cov, config.body_radius_m, config.least_visible)
+    for turn, heat in enumerate(heats):
+        if turn % _LOOKS == 0:
+            visible = visibility(fit.poses, fit.cov, config.body_radius_m, config.least_visible)
         candidates, counts, likelihoods, expected, spread = soft_likelihoods(
             fit.poses, fit.cov, problem.start, problem.bearings, problem.var, problem.known,
-            aims.info, aims.aim, heat, visible, config.gate_sd, config.detected_share,
+            aims.info, aims.aim, heat, visible, _GATE * config.gate_sd, config.detected_share,
             config.num_false / (2.0 * np.pi),
         )  # fmt: skip
         sure = beliefs(candidates, counts, likelihoods, len(problem.bearings), _MESSAGES)

@@ -127,7 +127,7 @@ def pair_likelihoods(
     n = len(x)
     candidates = np.full((n, n, MAX_CANDIDATES), -1, dtype=np.int64)
     counts = np.zeros((n, n), dtype=np.int64)
-    likelihoods = np.zeros((n, n, MAX_CANDIDATES + 1, MAX_CANDIDATES + 1))
+    likelihoods = np.empty((n, n, NONE + 1, NONE + 1))  # only what is counted is written
     distances = np.empty(MAX_CANDIDATES)
     for i in range(n):
         for j in range(i + 1, n):

@@ -5,6 +5,7 @@ Bearings of all robots stand behind each other; those of robot i are `start[i]:s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -128,51 +129,55 @@ def to_views(
 def _robot_rows(views: Sequence[RobotView], config: TeamConfig, notes: list[str]) -> np.ndarray:
     """Return (robot, bearing, variance, place in the view, known) of each finite bearing."""
     index = {view.name: i for i, view in enumerate(views)}
-    parts = []
+    rows: list[tuple[float, ...]] = []
     for i, view in enumerate(views):
-        keep = np.flatnonzero(np.isfinite(view.bearings))
-        _note_lost(notes, view.name, len(view.bearings) - len(keep))
-        known = [
-            (index.get(name, NOBODY) if name else UNKNOWN) if view.known else UNKNOWN
-            for name in (view.known or [""] * len(view.bearings))
-        ]
-        rows = np.empty((len(keep), 5))
-        rows[:, 0], rows[:, 1] = i, view.bearings[keep]
-        rows[:, 2], rows[:, 3] = _sd(view, config) ** 2, keep
-        rows[:, 4] = np.array(known, dtype=float)[keep]
-        parts.append(rows)
-    return np.concatenate(parts)
+        var = _sd(view, config) ** 2
+        seen = _finite(view.bearings, view.name, notes)
+        for place, bearing in seen:
+            name = view.known[place] if view.known else ""
+            rows.append((i, bearing, var, place, index.get(name, NOBODY) if name else UNKNOWN))
+    return np.array(rows, dtype=float).reshape(-1, 5)
 
 
 def _mark_rows(
     views: Sequence[RobotView], kinds: tuple[str, ...], config: TeamConfig, notes: list[str]
 ) -> np.ndarray:
     """Return (robot, class, place in the view, bearing, variance) of each landmark seen."""
-    parts = [np.zeros((0, 5))]
+    rows: list[tuple[float, ...]] = []
     for i, view in enumerate(views):
+        var = _sd(view, config) ** 2
         for kind, bearings in view.landmark_bearings.items():
             if kind not in kinds:
                 notes.append(f"{view.name}: nobody knows where {kind} is")
                 continue
-            keep = np.flatnonzero(np.isfinite(bearings))
-            _note_lost(notes, view.name, len(bearings) - len(keep))
-            rows = np.empty((len(keep), 5))
-            rows[:, 0], rows[:, 1], rows[:, 2] = i, kinds.index(kind), keep
-            rows[:, 3], rows[:, 4] = bearings[keep], _sd(view, config) ** 2
-            parts.append(rows)
-    return np.concatenate(parts)
+            at = kinds.index(kind)
+            seen = _finite(bearings, view.name, notes)
+            rows += [(i, at, place, bearing, var) for place, bearing in seen]
+    return np.array(rows, dtype=float).reshape(-1, 5)
+
+
+def _finite(bearings: np.ndarray, name: str, notes: list[str]) -> list[tuple[int, float]]:
+    """Return place and value of each finite bearing, and note the others."""
+    values = np.asarray(bearings, dtype=float).tolist()
+    seen = [(place, value) for place, value in enumerate(values) if math.isfinite(value)]
+    _note_lost(notes, name, len(values) - len(seen))
+    return seen
 
 
 def _priors(views: Sequence[RobotView]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     prior = np.zeros((len(views), 3))
     info = np.zeros((len(views), 3, 3))
     counts = np.zeros(len(views), dtype=np.bool_)
+    known = []
     for i, view in enumerate(views):
-        if view.rough is None or np.max(np.diag(view.rough.cov)) > _FAR**2:
+        if view.rough is None or view.rough.cov.diagonal().max() > _FAR**2:
             continue
-        prior[i] = view.rough.pose.as_array()
-        info[i] = np.linalg.inv(view.rough.cov)
+        pose = view.rough.pose
+        prior[i], info[i] = (pose.x, pose.y, pose.yaw), view.rough.cov
         counts[i] = not (view.rough_from_landmarks and _sees_landmarks(view))
+        known.append(i)
+    if known:
+        info[known] = np.linalg.inv(info[known])
     return prior, info, counts
 
 

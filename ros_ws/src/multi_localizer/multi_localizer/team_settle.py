@@ -10,6 +10,7 @@ from multi_localizer.team_identify import identify, refine
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import explained_share, relocate_lost
 from multi_localizer.team_state import Identification
+from multi_localizer.team_told import take_told
 from multi_localizer.team_trust import doubted, trust
 
 _CROWD = 150  # bearings: of more, robots are looked for by soft beliefs only
@@ -29,6 +30,9 @@ def settle(problem: TeamProblem, config: TeamConfig) -> Identification:
         problem: The views.
         config: Tuning.
     """
+    told = take_told(problem, config)
+    if told is not None:
+        return told
     if problem.num_robots > SMALL_TEAM:
         return _searched(problem, settle_crowd(problem, config), config)
     found = identify(problem, problem.has_prior.astype(float), config)
