@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from floornav_common.se2 import SE2
+from floornav_common.se2 import SE2, wrap_angle
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
+from multi_localizer.stereo_locator import StereoLocator
 from multi_localizer.stereo_pose import StereoHypothesis, StereoPose, StereoState
 from multi_localizer.stereo_search import PublishedSearch
-from multi_localizer.stereo_view import StereoView
+from multi_localizer.stereo_track import StereoTracker
+from multi_localizer.stereo_view import VIEW_COLUMNS, VIEW_ROWS, StereoView
 from multi_localizer.voxel_map import VoxelMap
 from multi_localizer.voxel_view import ViewCamera, VoxelScene
+
+_NEAR_M, _NEAR_RAD = 0.5, 0.5
 
 
 class StereoLocalizer:
     """Finds and follows the pose of base_link.
+
+    By the published methods every view is searched for in the whole map; when tracking, of the
+    candidates that stay the best one near the pose before is taken, if there is one: the paper's
+    remedy for places that look alike.
 
     Args:
         voxels: The map.
@@ -37,37 +46,85 @@ class StereoLocalizer:
             raise ValueError("cameras must hold at least one, got none")
         self.config = StereoLocalizerConfig() if config is None else config
         self._cameras = tuple(cameras)
-        self._scene = VoxelScene(voxels, num_threads)
-        self._published = PublishedSearch(self._scene, self._cameras, self.config)
+        scene = VoxelScene(voxels, num_threads)
+        self._published: PublishedSearch | None = None
+        if self.config.method == "ours":
+            self._locator = StereoLocator(scene, self._cameras, self.config)
+            self._tracker = StereoTracker(scene, self._cameras, self.config, self._locator.locate)
+        else:
+            self._published = PublishedSearch(scene, self._cameras, self.config)
         self.reset()
 
     def reset(self) -> None:
         """Forget where the robot is."""
-        self._last: StereoPose | None = None
+        self._last: SE2 | None = None
+        if self._published is None:
+            self._tracker.reset()
 
     def locate(self, views: Sequence[StereoView | None]) -> StereoPose:
-        """Return the pose by one view of each pair (None where one is missing), without a guess."""
+        """Return the pose by one view of each pair (None where one is missing), without a guess.
+
+        Raises:
+            ValueError: If there is not one view a camera, or none at all.
+        """
         self._check(views)
-        weight = 0.0 if self.config.method == "color_only" else self.config.distance_weight
-        poses, scores = self._published.search(views, weight)
-        if not len(poses):
-            return StereoPose(StereoState.LOST, (), "no place in the map is free")
-        estimate = PoseEstimate(SE2(*poses[0].tolist()), np.diag([0.01**2, 0.01**2, 0.02**2]))
-        return StereoPose(StereoState.KNOWN, (StereoHypothesis(estimate, 1.0, float(scores[0])),))
+        if self._published is None:
+            return self._locator.locate(views)
+        return self._search(self._published, views, None)
 
     def track(self, views: Sequence[StereoView | None], motion: SE2, dt: float) -> StereoPose:
-        """Return the pose after a motion.
+        """Return the pose after a motion; the first time, or when lost, without a guess.
 
         Args:
             views: One of each pair, None where one is missing.
             motion: The robot's pose seen from the one before, by odometry.
             dt: Time since the views before, s.
+
+        Raises:
+            ValueError: If there is not one view a camera, none at all, or dt is below 0.
         """
-        self._last = self.locate(views)
-        return self._last
+        self._check(views)
+        if not (math.isfinite(dt) and dt >= 0.0):
+            raise ValueError(f"dt must be finite and at least 0, got {dt}")
+        if self._published is None:
+            return self._tracker.update(views, motion, dt)
+        expected = None if self._last is None else self._last @ motion
+        found = self._search(self._published, views, expected)
+        self._last = found.pose
+        return found
+
+    def warm_up(self) -> None:
+        """Compile what locating and tracking need, if it is not compiled yet."""
+        view = StereoView(
+            np.full((VIEW_ROWS, VIEW_COLUMNS, 3), 100.0, dtype=np.float32),
+            *(np.ones((VIEW_ROWS, VIEW_COLUMNS), dtype=np.float32) for _ in range(3)),
+        )
+        for _ in range(2):
+            self.track([view] * len(self._cameras), SE2.identity(), 0.1)
+        self.reset()
+
+    def _search(
+        self, published: PublishedSearch, views: Sequence[StereoView | None], expected: SE2 | None
+    ) -> StereoPose:
+        weight = 0.0 if self.config.method == "color_only" else self.config.distance_weight
+        poses, scores = published.search(views, weight)
+        if not len(poses):
+            return StereoPose(StereoState.LOST, (), "no place in the map is free")
+        best = 0
+        if expected is not None:
+            near = [k for k, pose in enumerate(poses) if _is_near(pose, expected)]
+            best = near[0] if near else 0
+        estimate = PoseEstimate(SE2(*poses[best].tolist()), np.diag(published.spacing**2))
+        hypothesis = StereoHypothesis(estimate, 1.0, float(scores[best]))
+        return StereoPose(StereoState.KNOWN, (hypothesis,))
 
     def _check(self, views: Sequence[StereoView | None]) -> None:
         if len(views) != len(self._cameras):
             raise ValueError(f"views must be {len(self._cameras)}, one a camera, got {len(views)}")
         if all(view is None for view in views):
             raise ValueError("views must hold at least one, got none")
+
+
+def _is_near(pose: np.ndarray, expected: SE2) -> bool:
+    is_there = math.hypot(pose[0] - expected.x, pose[1] - expected.y) < _NEAR_M
+    return is_there and abs(wrap_angle(float(pose[2]) - expected.yaw)) < _NEAR_RAD

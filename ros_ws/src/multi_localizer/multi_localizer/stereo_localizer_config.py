@@ -36,6 +36,85 @@ class StereoLocalizerConfig:
     view_rows: tuple[int, ...] = param(
         (1, 1, 2, 4, 8), "published: their rows.", unit="px", ge=1, read_only=True
     )
+    panorama_spacing_m: float = param(
+        0.08, "ours: between the places of the global search.", unit="m", gt=0.0, read_only=True
+    )
+    max_places: int = param(
+        20000, "ours: in a larger map places are farther apart, so many at most.", ge=1,
+        le=1000000, read_only=True,
+    )  # fmt: skip
+    panorama_columns: int = param(
+        128, "ours: headings of the global search.", ge=16, le=1024, read_only=True
+    )
+    panorama_rows: int = param(
+        4, "ours: rows that the views have in the global search.", ge=1, le=64, read_only=True
+    )
+    search_color: float = param(
+        0.1, "ours: a cell of a color that is off by this, of 1, is all wrong in the search.",
+        gt=0.0,
+    )  # fmt: skip
+    search_inverse_per_m: float = param(
+        0.15, "ours: a cell whose inverse distance is off by this is all wrong in the search.",
+        unit="1/m", gt=0.0,
+    )  # fmt: skip
+    num_refined: int = param(
+        40, "ours: poses of the global search that are refined.", ge=1, le=1000
+    )
+    max_hypotheses: int = param(
+        6, "ours: poses that may be the robot's, kept at once.", ge=1, le=100
+    )
+    color_error: float = param(0.1, "ours: a color off by this, of 1, is half wrong.", gt=0.0)
+    inverse_error_per_m: float = param(
+        0.02, "ours: an inverse distance off by this is half wrong.", unit="1/m", gt=0.0
+    )
+    fit_color: float = param(
+        0.1, "ours: what color counts where a pose is fitted; distance counts the rest.", ge=0.0,
+        le=1.0,
+    )  # fmt: skip
+    judge_color: float = param(
+        0.5, "ours: what color counts where poses are held against each other.", ge=0.0, le=1.0
+    )
+    evidence: float = param(
+        300.0, "ours: how much surer a pose is whose mean cost is less by 1, as a logarithm.",
+        gt=0.0,
+    )  # fmt: skip
+    least_error_m: float = param(
+        0.003, "ours: standard deviation of x and y at least.", unit="m", gt=0.0
+    )
+    least_error_rad: float = param(
+        0.002, "ours: standard deviation of yaw at least.", unit="rad", gt=0.0
+    )
+    same_m: float = param(0.15, "ours: poses nearer to each other are one.", unit="m", gt=0.0)
+    same_rad: float = param(0.15, "ours: see same_m.", unit="rad", gt=0.0)
+    settle_share: float = param(
+        0.95, "ours: a pose with this share of the belief is known.", gt=0.5, lt=1.0
+    )
+    least_share: float = param(
+        0.001, "ours: a pose with less of the belief is dropped.", ge=0.0, lt=0.5
+    )
+    lost_cost: float = param(
+        0.5, "ours: where more of the views is wrong, of 1, the robot is not there.", gt=0.0, le=1.0
+    )
+    least_seen: float = param(
+        0.1, "ours: views of which less is known, of 1, say nothing.", ge=0.0, le=1.0
+    )
+    lost_after_s: float = param(
+        1.0, "ours: a robot whose views fit nowhere near is lost after this time.", unit="s", ge=0.0
+    )
+    locate_period_s: float = param(
+        0.5, "ours: time between global searches of a lost robot.", unit="s", ge=0.0
+    )
+    odometry_error: float = param(
+        0.1, "ours: standard deviation of odometry, of 1.", ge=0.0, le=1.0
+    )
+    drift_m_s: float = param(0.02, "ours: what a pose may drift besides.", unit="m/s", ge=0.0)
+    drift_rad_s: float = param(0.02, "ours: what a yaw may drift besides.", unit="rad/s", ge=0.0)
+    new_view_m: float = param(
+        0.2, "ours: a way after which a view is as good as new.", unit="m", gt=0.0
+    )
+    new_view_rad: float = param(
+        0.3, "ours: a turn after which a view is as good as new.", unit="rad", gt=0.0
+    )
 
     def __post_init__(self) -> None:
         validate(self)

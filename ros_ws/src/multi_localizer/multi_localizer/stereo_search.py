@@ -78,6 +78,11 @@ class PublishedSearch:
         return best.poses, scores
 
     @property
+    def spacing(self) -> np.ndarray:
+        """Of the last stage's mesh: m, m, rad."""
+        return np.asarray(self._first.spacing / 2.0 ** (len(self._sizes) - 1))
+
+    @property
     def _sizes(self) -> list[tuple[int, int]]:
         return list(zip(self._config.view_columns, self._config.view_rows, strict=True))
 

@@ -1,0 +1,55 @@
+"""How much of the views is wrong at a pose, by which poses are held against each other.
+
+The same cost of a pixel as in `stereo_refine`, without derivatives, on finer views and with color
+counting as much as distance: places that look alike to stereo often differ in color alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numba
+import numpy as np
+
+from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
+from multi_localizer.stereo_refine import Target, fit_scales
+from multi_localizer.voxel_view import VoxelScene
+
+
+def judge(
+    scene: VoxelScene, targets: Sequence[Target], poses: np.ndarray, config: StereoLocalizerConfig
+) -> np.ndarray:
+    """Return the mean cost of a pixel at each pose, (N,), 0 to what `known_part` says."""
+    costs = np.zeros(len(poses))
+    scales = fit_scales(config.judge_color, len(targets), config, 1.0)
+    for target in targets:
+        color, distance = scene.render(poses, target.camera, target.size)
+        _add_costs(color, distance, target.color, target.inverse, target.weight, scales, costs)
+    return costs
+
+
+def known_part(targets: Sequence[Target], color_share: float) -> float:
+    """Return the greatest cost that there can be: 1 where every distance is known."""
+    seen = sum(float(t.weight.mean()) for t in targets) / max(len(targets), 1)
+    return color_share + (1.0 - color_share) * seen
+
+
+@numba.njit(cache=True, error_model="numpy", nogil=True)
+def _add_costs(color, distance, seen_color, seen_inverse, seen_weight, scales, costs):  # type: ignore[no-untyped-def]
+    rows, columns = seen_weight.shape
+    color_part, distance_part = scales[0] / (rows * columns), scales[1] / (rows * columns)
+    for n in range(len(costs)):
+        for v in range(rows):
+            for u in range(columns):
+                weight, far = distance_part * seen_weight[v, u], distance[n, v, u]
+                if np.isnan(far):
+                    costs[n] += color_part + weight
+                    continue
+                square = (1.0 / max(far, 0.01) - seen_inverse[v, u]) ** 2 * scales[3]
+                costs[n] += weight * square / (1.0 + square)
+                light, square = 1e-3, 0.0
+                for c in range(3):
+                    light += color[n, v, u, c]
+                for c in range(3):
+                    square += (color[n, v, u, c] / light - seen_color[v, u, c]) ** 2 * scales[2]
+                costs[n] += color_part * square / (1.0 + square)

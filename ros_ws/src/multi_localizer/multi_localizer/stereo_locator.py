@@ -1,0 +1,55 @@
+"""The pose without a guess, by the best of ours: all candidates, then the best of them refined."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from multi_localizer.stereo_hypotheses import covariance, hypotheses_of, judged
+from multi_localizer.stereo_judge import judge, known_part
+from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
+from multi_localizer.stereo_pose import StereoPose
+from multi_localizer.stereo_refine import refine, targets_of
+from multi_localizer.stereo_search_all import SearchAll
+from multi_localizer.stereo_view import StereoView
+from multi_localizer.voxel_view import ViewCamera, VoxelScene
+
+COARSE, FINE, FINEST = (40, 8), (80, 8), (160, 8)
+"""Columns and rows of the views that poses are roughly fitted, fitted and judged by."""
+_LOOSE, _ROUGH_STEPS, _STEPS = 4.0, 4, 6
+_SPARE = 3  # so many times the hypotheses that may stay are fitted
+
+
+class StereoLocator:
+    """Finds a robot anywhere in a map.
+
+    Args:
+        scene: The map.
+        cameras: One for each pair.
+        config: Mesh and scales.
+    """
+
+    def __init__(
+        self, scene: VoxelScene, cameras: Sequence[ViewCamera], config: StereoLocalizerConfig
+    ) -> None:
+        self._scene, self._cameras, self._config = scene, tuple(cameras), config
+        self._search = SearchAll(scene, cameras, config)
+
+    def locate(self, views: Sequence[StereoView | None]) -> StereoPose:
+        """Return the pose by one view of each pair, None where one is missing."""
+        c = self._config
+        poses = self._search.search(views, c.num_refined)
+        if not len(poses):
+            return judged((), 1.0, c)
+        coarse = targets_of(views, self._cameras, COARSE)
+        rough = refine(self._scene, coarse, poses, c, _ROUGH_STEPS, c.fit_color, _LOOSE)
+        finest = targets_of(views, self._cameras, FINEST)
+        order = np.argsort(judge(self._scene, finest, rough.poses, c), kind="stable")
+        best = rough.poses[order[: _SPARE * c.max_hypotheses]]
+        fine = targets_of(views, self._cameras, FINE)
+        fits = refine(self._scene, fine, best, c, _STEPS, c.fit_color)
+        costs = judge(self._scene, finest, fits.poses, c)
+        covs = [covariance(c.evidence * h, c) for h in fits.hessians]
+        found = hypotheses_of(fits.poses, covs, costs, -c.evidence * costs, c)
+        return judged(found, known_part(finest, c.judge_color), c)
