@@ -22,6 +22,8 @@ from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from multi_localizer.floor_node_config import FloorLocalizerConfig, FloorPoseConfig
 from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig
 from multi_localizer.stereo_config import StereoMatcherConfig
+from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
+from multi_localizer.stereo_localizer_node_config import StereoLocalizerNodeConfig
 from multi_localizer.stereo_node_config import StereoNodeConfig
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_node_config import TeamNodeConfig, TeamTimingConfig
@@ -55,6 +57,9 @@ NODES: dict[str, tuple[type, ...]] = {
     ),
     "multi_localizer landmark_localizer": (
         LandmarkNodeConfig, LandmarkConfig, FrameConfig, ProcessConfig,
+    ),
+    "multi_localizer stereo_localizer": (
+        StereoLocalizerNodeConfig, StereoLocalizerConfig, FrameConfig, ProcessConfig,
     ),
     "multi_localizer stereo_matcher": (StereoNodeConfig, StereoMatcherConfig, ProcessConfig),
     "multi_localizer team_localizer": (

@@ -9,7 +9,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from sensor_msgs.msg import Image, RegionOfInterest
 from stereo_msgs.msg import DisparityImage
 
-from floornav_common.ros.arrays import to_field
+from floornav_common.ros.arrays import from_field, to_field
 from floornav_common.ros.messages import pose_to_se2, ros_cov_to_se2, se2_cov_to_ros, se2_to_pose
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_cameras import CameraModel, RectifiedPair
@@ -81,3 +81,21 @@ def disparities_to_msg(
     msg.max_disparity = num_disparities - 1.0 - pair.center_shift_px
     msg.delta_d = 1.0 / 16.0
     return msg
+
+
+def disparities_from_msg(msg: DisparityImage) -> np.ndarray:
+    """Return the disparities of a DisparityImage, (H, W), float32, px; NaN where there is none.
+
+    Raises:
+        ValueError: If its image is no whole one of 32FC1, little-endian.
+    """
+    image = msg.image
+    if image.encoding != "32FC1" or image.is_bigendian:
+        raise ValueError(f"disparities must be 32FC1, little-endian, got '{image.encoding}'")
+    height, width, step = int(image.height), int(image.width), int(image.step)
+    if step < 4 * width or len(image.data) != step * height or height * width == 0:
+        raise ValueError(f"{len(image.data)} bytes are no disparities of {width} x {height}")
+    rows = from_field(image.data, np.uint8).reshape(height, step)[:, : 4 * width]
+    values = np.ascontiguousarray(rows).view(np.float32)
+    is_known = np.isfinite(values) & (values >= msg.min_disparity)
+    return np.where(is_known, values, np.float32(np.nan))

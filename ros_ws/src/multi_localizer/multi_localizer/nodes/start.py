@@ -13,6 +13,11 @@ def landmark_localizer() -> int:
     return start_node("multi_localizer.nodes.landmark_localizer_node")
 
 
+def stereo_localizer() -> int:
+    """Start the node `stereo_localizer`."""
+    return start_node("multi_localizer.nodes.stereo_localizer_node")
+
+
 def stereo_matcher() -> int:
     """Start the node `stereo_matcher`."""
     return start_node("multi_localizer.nodes.stereo_matcher_node")

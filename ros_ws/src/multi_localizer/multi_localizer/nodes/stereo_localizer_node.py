@@ -1,0 +1,139 @@
+"""The pose in a voxel map from what two stereo pairs see, one alone as well.
+
+In, for each of `pairs`: `stereo/<pair>/disparity` (DisparityImage), `stereo/<pair>/left/image_rect`
+(Image, or .../compressed) of the same stamp and `stereo/<pair>/left/camera_info`; `odom` (Odometry,
+its pose where TF has none), TF odom->base_link->the camera's frame.
+Out: `stereo_pose` (PoseWithCovarianceStamped of base_link in the map's frame; nothing while it is
+not known), `stereo_pose/candidates` (PoseArray: all poses that fit, the likeliest first), TF
+map->odom with `publish_tf`.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+from geometry_msgs.msg import PoseArray
+
+from floornav_common.ros.main import run_node
+from floornav_common.ros.messages import ns_to_stamp, poses_to_msg
+from floornav_common.ros.node import FloornavNode
+from floornav_common.ros.odometry import OdometryFallback
+from floornav_common.ros.parameters import ParameterError, declare_config
+from floornav_common.ros.qos import RELIABLE_QOS, create_publisher
+from floornav_common.se2 import SE2
+from floornav_common.transform_errors import TransformUnavailable
+from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
+from multi_localizer.nodes.state_log import StateLog
+from multi_localizer.nodes.stereo_report import StereoReport
+from multi_localizer.nodes.stereo_view_input import DISPARITY, LEFT, StereoViewInput
+from multi_localizer.stamp_groups import StampGroups
+from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
+from multi_localizer.stereo_localizer_node_config import StereoLocalizerNodeConfig
+from multi_localizer.stereo_moments import StereoMoments
+from multi_localizer.stereo_pose import StereoPose, StereoState
+from multi_localizer.stereo_view import StereoView
+from multi_localizer.voxel_map import VoxelMap, load_voxel_map
+from multi_localizer.voxel_view import ViewCamera
+
+
+class StereoLocalizerNode(FloornavNode):
+    """Puts together what the pairs see at one moment, and publishes the pose it gives."""
+
+    def __init__(self) -> None:
+        """Declare, load the map, subscribe, compile, and say ready."""
+        super().__init__("stereo_localizer")
+        config = self._config = declare_config(self, StereoLocalizerNodeConfig)
+        method = declare_config(self, StereoLocalizerConfig, on_change=self._tune)
+        self._voxels = self._load(config.map_file)
+        threads = int(self.get_parameter("num_threads").value)
+        wait_ns = round(config.pairs_wait_s * 1e9)
+        self._moments = StereoMoments(self._voxels, method, config.pairs, wait_ns, threads)
+        self._groups = StampGroups(round(config.wait_s * 1e9))
+        self._outputs = LocalizerOutputs(self, "stereo_pose", config.publish_tf)
+        self._candidates = create_publisher(self, PoseArray, "stereo_pose/candidates", RELIABLE_QOS)
+        self._odometry = OdometryFallback(self) if config.use_odom else None
+        target = self.frames.odom if config.use_odom else self.frames.base
+        self._inputs = {
+            name: StereoViewInput(self, name, config, target, self._add) for name in config.pairs
+        }
+        watchdogs = {name: one.watchdog for name, one in self._inputs.items()}
+        self._report = StereoReport(watchdogs, self._outputs, self._groups)
+        self.diagnostics.add("stereo pose", self._report.status)
+        self._log = StateLog(self, self._report.status)
+        self.time.on_look(self._look)
+        self.transforms.on_restart(self._restart)
+        self.ready(self._moments.warm_up)
+
+    def _load(self, path: str) -> VoxelMap:
+        try:
+            if not path:
+                raise ValueError("map_file must name a voxel map; make_voxel_map makes one")
+            return load_voxel_map(path)
+        except (ValueError, OSError) as error:
+            raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
+
+    def _tune(self, config: StereoLocalizerConfig) -> None:
+        self._moments.reconfigure(config)
+
+    def _restart(self) -> None:
+        self._groups.clear()
+        self._moments.reset()
+        self._report.forget()
+
+    def _add(self, key: str, stamp_ns: int, value: Any) -> None:
+        for group in self._groups.add(key, stamp_ns, value, self.time.steady_ns()):
+            self._locate(*group)
+
+    def _look(self) -> None:
+        for group in self._groups.overdue(self.time.steady_ns()):
+            self._locate(*group)
+        if self._report.is_lost and not self.time.is_stopped:
+            self._outputs.stop_tf()
+
+    def _locate(self, stamp_ns: int, group: dict[str, Any]) -> None:
+        started = time.perf_counter()
+        parts = (DISPARITY, LEFT)
+        whole = [n for n in self._inputs if all(f"{n}/{part}" in group for part in parts)]
+        if not whole:
+            self._report.note_single()
+            return
+        try:
+            cameras, views, T_odom_base = self._views(whole, group)
+            found = self._moments.locate(stamp_ns, cameras, views, T_odom_base)
+        except (ValueError, TransformUnavailable) as error:
+            self._report.refuse(str(error))
+            return
+        if found is not None:
+            self._report.note(found, whole, 1e3 * (time.perf_counter() - started))
+            self._publish(ns_to_stamp(stamp_ns), found, T_odom_base)
+
+    def _views(
+        self, whole: list[str], group: dict[str, Any]
+    ) -> tuple[dict[str, ViewCamera], dict[str, StereoView], SE2 | None]:
+        cameras, views, T_odom_base = {}, {}, None
+        for name in whole:
+            (msg, T_target_camera), left = (group[f"{name}/{part}"] for part in (DISPARITY, LEFT))
+            camera, T_base_camera = self._inputs[name].camera(msg)
+            far = self._voxels.farthest_m
+            cameras[name], views[name] = camera, self._inputs[name].view(msg, left, camera, far)
+            if self._config.use_odom:
+                T_odom_base = (T_target_camera @ T_base_camera.inverse()).to_se2()
+        return cameras, views, T_odom_base
+
+    def _publish(self, stamp: Any, found: StereoPose, T_odom_base: SE2 | None) -> None:
+        if found.state is StereoState.KNOWN:
+            self._outputs.send(stamp, found.hypotheses[0].estimate, T_odom_base)
+        is_fit = found.state is not StereoState.LOST
+        poses = [h.estimate.pose for h in found.hypotheses] if is_fit else []
+        self._candidates.publish(poses_to_msg(poses, stamp, self.frames.map))
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run_node(StereoLocalizerNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

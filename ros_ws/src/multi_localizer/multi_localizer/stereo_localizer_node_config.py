@@ -1,0 +1,47 @@
+"""Every value of the node stereo_localizer besides the method; defaults stand here alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from floornav_common.config import param, validate
+
+
+@dataclass(frozen=True, kw_only=True)
+class StereoLocalizerNodeConfig:
+    """The node `stereo_localizer`."""
+
+    map_file: str = param(
+        "", "Voxel map, made by make_voxel_map (npz); it has no default.", read_only=True
+    )
+    pairs: tuple[str, ...] = param(
+        ("front", "rear"), "Names of the pairs: topics are stereo/<pair>/...; one alone will do.",
+        read_only=True,
+    )  # fmt: skip
+    image_transport: str = param(
+        "raw", "Whether images come as Image or, on <topic>/compressed, as CompressedImage.",
+        choices=("raw", "compressed"), read_only=True,
+    )  # fmt: skip
+    use_odom: bool = param(
+        True, "Follow the motion by odom -> base; without it the robot is taken to stand.",
+        read_only=True,
+    )  # fmt: skip
+    image_timeout_s: float = param(1.0, "Silence of the disparities allowed.", unit="s", gt=0.0)
+    wait_s: float = param(
+        0.2, "How long what has one stamp waits for the rest of it.", unit="s", gt=0.0, le=10.0,
+        read_only=True,
+    )  # fmt: skip
+    pairs_wait_s: float = param(
+        2.0, "How long the first pair waits for the others to appear, before it goes on alone.",
+        unit="s", ge=0.0, read_only=True,
+    )  # fmt: skip
+    publish_tf: bool = param(
+        False, "Send map->odom, unless somebody else does; needs use_odom.", read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not self.pairs or len(set(self.pairs)) < len(self.pairs):
+            raise ValueError(f"pairs must be different names, at least one, got {self.pairs}")
+        if self.publish_tf and not self.use_odom:
+            raise ValueError("publish_tf needs use_odom: without odometry there is no map->odom")
