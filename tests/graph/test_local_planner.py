@@ -379,7 +379,7 @@ def test_a_goal_sent_by_the_command_is_followed_until_it_is_reached(launch, star
     run = launch(goal=False)
     goals = run.peer.collect(PoseStamped, "goal_pose", 5)
     far = start(*SENDER, "--ros-args", "-p", "x_m:=2.0", "-p", "y_m:=-0.5")
-    run.robot.until(lambda: "driving, 2.06 m left" in far.text)
+    run.robot.until(lambda: bool(goals) and "driving, 2.06 m left" in far.text)
     assert goals[0].header.frame_id == "odom"
     assert (goals[0].pose.position.x, goals[0].pose.position.y) == (2.0, -0.5)
     assert far.stop(signal.SIGINT) == 0 and "reached" not in far.text

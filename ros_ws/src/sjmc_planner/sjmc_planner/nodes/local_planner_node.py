@@ -1,7 +1,8 @@
 """Drives to a goal around what the scan shows.
 
 In: `scan` (LaserScan; remap it to `floor/free_space` for a floor camera), `odom` (Odometry: its
-twist), `path` (Path) or `goal_pose` (PoseStamped), TF goal frame->base_link->sensor.
+twist), `path` (Path), `goal_pose` (PoseStamped) or the action `follow_path` (nav2_msgs/FollowPath),
+TF goal frame->base_link->sensor.
 Out: `cmd_vel` (Twist; TwistStamped with enable_stamped_cmd_vel), `planner/state`
 (DiagnosticStatus), `planner/markers` (MarkerArray).
 Services: `~/enable` (SetBool: false stops the robot until true).
@@ -17,6 +18,7 @@ from std_srvs.srv import SetBool
 from floornav_common.ros.main import run_node
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.parameters import declare_config
+from floornav_common.se2 import SE2
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.limited_motion import moved_by
 from sjmc_planner.methods import make_method
@@ -28,6 +30,7 @@ from sjmc_planner.planning import REACHED, RobotState
 from sjmc_planner.warm_up import compile_kernels
 
 _PAUSE_NS = 1_000_000_000
+_NO_MOTION = SE2(0.0, 0.0, 0.0)
 
 
 class LocalPlannerNode(FloornavNode):
@@ -65,10 +68,10 @@ class LocalPlannerNode(FloornavNode):
         """Send the command for now."""
         if not self._is_enabled:
             self._commands.rest()
-            self._report.set("disabled", "by ~/enable")
+            self._tell("disabled", "by ~/enable")
         elif self._goals.target is None:
             self._commands.rest()
-            self._report.set("idle", "no goal")
+            self._tell("idle", "no goal")
         elif not self.time.is_stopped:
             try:
                 self._drive()
@@ -91,11 +94,19 @@ class LocalPlannerNode(FloornavNode):
         )  # fmt: skip
         if decision.debug is not None:
             self._report.draw(decision.debug)
-        self._report.set(decision.state, decision.reason, goal.distance)
+        self._tell(decision.state, decision.reason, goal.distance, moved, velocity.speed)
         if decision.state == REACHED and self._commands.last.is_still:
             self._commands.rest()
         else:
             self._commands.drive(decision.command)
+
+    def _tell(
+        self, state: str, reason: str, left: float | None = None, moved: SE2 = _NO_MOTION,
+        speed: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Say how it goes."""
+        self._report.set(state, reason, left)
+        self._goals.note(state, reason, left, moved, speed)
 
     def _since_last(self) -> float:
         """Return the time since the last decision, s; after a pause or a jump it starts anew."""
@@ -114,7 +125,7 @@ class LocalPlannerNode(FloornavNode):
     def _stop(self, reason: str) -> None:
         if self._is_enabled and self._goals.target is not None:
             self._commands.halt()
-            self._report.set(STOPPED, reason)
+            self._tell(STOPPED, reason)
 
     def _on_enable(self, request: Any, response: SetBool.Response) -> SetBool.Response:
         self._is_enabled = bool(request.data)
