@@ -23,15 +23,17 @@ SIGMAS = 3.0
 
 @dataclass(frozen=True)
 class Candidate:
-    """A node where the newest one may be again.
+    """Two nodes that may be of one place.
 
     Attributes:
-        number: Of the node.
-        sigma_m: Deviation of its place seen from the newest node.
+        query: The one that may be where the other is.
+        reference: The other.
+        sigma_m: Deviation of one's place seen from the other; 0 to take the graph's word.
         sigma_rad: Deviation of its turn.
     """
 
-    number: int
+    query: int
+    reference: int
     sigma_m: float
     sigma_rad: float
 
@@ -53,17 +55,40 @@ def loop_candidates(
     distance = np.hypot(*(points - points[newest]).T)
     reach = np.minimum(SIGMAS * sigma_m, config.max_search_m) + config.reach_m
     is_near = (distance < reach) & (ways[newest] - ways > config.min_way_m)
+    nearest = _nearest_of_passes(is_near, distance)
+    nearest.sort(key=lambda k: float(distance[k] + sigma_m[k]))
+    return [
+        Candidate(newest, k, float(sigma_m[k]), float(sigma_rad[k]))
+        for k in nearest[: config.max_candidates]
+    ]
+
+
+def near_pairs(poses: Sequence[SE2], ways: np.ndarray, config: LoopConfig) -> list[Candidate]:
+    """Return pairs of nodes that are near each other by the graph, of every node the nearest.
+
+    Args:
+        poses: Of all nodes; their word is taken.
+        ways: Length driven up to each node, shape (N,), m.
+        config: How far is near.
+    """
+    points = np.array([(p.x, p.y) for p in poses])
+    pairs = []
+    for query in range(len(points)):
+        distance = np.hypot(*(points - points[query]).T)
+        is_near = (distance < config.reach_m) & (abs(ways - ways[query]) > config.min_way_m)
+        nearest = _nearest_of_passes(is_near, distance)
+        nearest.sort(key=lambda k: float(distance[k]))
+        pairs += [Candidate(query, k, 0.0, 0.0) for k in nearest[: config.max_candidates]]
+    return pairs
+
+
+def _nearest_of_passes(is_near: np.ndarray, distance: np.ndarray) -> list[int]:
+    """Return of every run of near nodes, one after the other, the nearest."""
     numbers = np.flatnonzero(is_near)
     if not len(numbers):
         return []
-    # passes: runs of nodes one after the other; of each the nearest node stands for it
     passes = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
-    nearest = [int(run[np.argmin(distance[run])]) for run in passes]
-    nearest.sort(key=lambda k: float(distance[k] + sigma_m[k]))
-    return [
-        Candidate(k, float(sigma_m[k]), float(sigma_rad[k]))
-        for k in nearest[: config.max_candidates]
-    ]
+    return [int(run[np.argmin(distance[run])]) for run in passes]
 
 
 def _uncertainty(

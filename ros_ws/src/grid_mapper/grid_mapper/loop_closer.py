@@ -9,12 +9,14 @@ import numpy as np
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.key_frames import Edge, KeyFrame, chain_edge
-from grid_mapper.loop_candidates import Candidate, loop_candidates
+from grid_mapper.loop_candidates import Candidate, loop_candidates, near_pairs
 from grid_mapper.loop_verification import agree, verify
 from grid_mapper.pose_graph import deviations, solve
 
 MAX_DEVIATIONS = 5.0
 """A loop that the solved graph is further from is taken out again."""
+SOLVED_DEVIATIONS, MAX_UNSOLVED = 1.0, 20
+"""Loops that the graph is nearer to than this wait for others, until there are so many."""
 MAX_PENDING = 20
 CONFIRM_WAY_M = 0.3
 """Way between two loops that confirm each other, at least."""
@@ -39,6 +41,7 @@ class LoopCloser:
         self._ways: list[float] = []
         self._pending: list[Edge] = []
         self._searched_way = -np.inf
+        self._num_unsolved = 0
 
     @property
     def num_loops(self) -> int:
@@ -59,8 +62,25 @@ class LoopCloser:
         if not found:
             return False
         self.edges += found
+        self._num_unsolved += len(found)
+        worst = max(deviations(edge, self.poses) for edge in found)
+        if worst < SOLVED_DEVIATIONS and self._num_unsolved < MAX_UNSOLVED:
+            return False
         self._solve()
         return True
+
+    def finish(self) -> None:
+        """Compare all near places once more at the poses known now; loops found anew replace."""
+        if self.num_loops == 0:
+            return
+        loop, matcher = self.config.loop, self.config.matcher
+        pairs = near_pairs(self.poses, np.array(self._ways), loop)
+        verdicts = [verify(self.frames, self.poses, pair, loop, matcher) for pair in pairs]
+        found = [verdict.edge for verdict in verdicts if verdict.edge is not None]
+        renewed = {edge.second for edge in found}
+        kept = [e for e in self.edges if not (e.is_loop and e.second in renewed)]
+        self.edges = kept + found
+        self._solve()
 
     def _append(self, frame: KeyFrame) -> None:
         if not self.frames:
@@ -101,6 +121,7 @@ class LoopCloser:
 
     def _solve(self) -> None:
         """Solve the graph; take out what does not fit, and solve again."""
+        self._num_unsolved = 0
         kernel = self.config.loop.kernel
         self.poses = solve(self.poses, self.edges, kernel)
         kept = [

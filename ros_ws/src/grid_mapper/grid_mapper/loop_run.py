@@ -55,6 +55,7 @@ def run_closing(
     load_solver()
     localizer, mapper = LoopClosingLocalizer(config), LayeredMapper(config)
     found = run_mapper(recording, localizer, max_scans, on_scan[0])
+    localizer.closer.finish()
     poses = localizer.known_poses()
     run = run_mapper(open_again(), MapRebuild(mapper, poses), len(poses), on_scan[1])
     run.is_interrupted |= found.is_interrupted

@@ -45,35 +45,40 @@ def verify(
     frames: Sequence[KeyFrame], poses: Sequence[SE2], candidate: Candidate, config: LoopConfig,
     matcher_config: ScanMatcherConfig,
 ) -> Verdict:  # fmt: skip
-    """Compare the newest node with a candidate.
+    """Compare two places; where the graph is known to be right, the query's scan alone.
 
     Args:
         frames: Of all nodes.
         poses: Of all nodes, as the graph has them.
-        candidate: The node to compare with, and how uncertain it is.
+        candidate: The two nodes, and how uncertain they are to each other.
         config: When a loop is believed.
         matcher_config: Of the fine matcher.
     """
-    newest, number = len(frames) - 1, candidate.number
-    num = config.submap_nodes
-    here = range(max(0, newest - num), newest + 1)
-    there = range(max(0, number - num), min(here[0], number + num + 1))
+    later, number = candidate.query, candidate.reference
+    is_known = candidate.sigma_m == 0.0
     query, reference = (
-        place_of(frames, poses, list(numbers), center)
-        for numbers, center in ((here, newest), (there, number))
+        place_of(frames, poses, _round(center, len(frames), num), center)
+        for center, num in (
+            (later, 0 if is_known else config.submap_nodes),
+            (number, config.submap_nodes),
+        )
     )
-    T_pred = poses[number].between(poses[newest])
+    T_pred = poses[number].between(poses[later])
     fits = _fits(reference, query, T_pred, candidate, config, matcher_config)
     if not fits:
         return Verdict(None, "nothing to compare")
     best = fits[0]
-    reason = (
-        _objection(best, fits[1:], T_pred, candidate, config)
-        or _seen_through(frames, number, newest, reference, query, best.T_map_base, config)
-    )  # fmt: skip
+    reason = _objection(best, fits[1:], T_pred, candidate, config) or _seen_through(
+        frames, number, later, reference, query, best.T_map_base, config
+    )
     if reason:
         return Verdict(None, reason)
-    return Verdict(Edge(number, newest, best.T_map_base, _cov(best, config), is_loop=True))
+    return Verdict(Edge(number, later, best.T_map_base, _cov(best, config), is_loop=True))
+
+
+def _round(center: int, num_frames: int, num: int) -> range:
+    """Return the node and up to `num` to each side of it."""
+    return range(max(0, center - num), min(num_frames, center + num + 1))
 
 
 def _fits(
@@ -85,10 +90,13 @@ def _fits(
         min(BASE_WINDOW[0] + SIGMAS * candidate.sigma_m, config.max_search_m),
         min(BASE_WINDOW[1] + SIGMAS * candidate.sigma_rad, float(np.pi)),
     )
-    peaks = find_peaks(reference.points, query.points, T_pred, window, NUM_PEAKS)
+    starts = [T_pred]
+    if candidate.sigma_m > 0.0:
+        peaks = find_peaks(reference.points, query.points, T_pred, window, NUM_PEAKS)
+        starts = [peak.pose for peak in peaks]
     matcher = ScanMatcher(matcher_config)
     matcher.insert(reference, SE2.identity())
-    fits = [matcher.match(query, peak.pose, START_COV) for peak in peaks]
+    fits = [matcher.match(query, start, START_COV) for start in starts]
     return sorted(fits, key=lambda fit: -fit.overlap * fit.agreement)
 
 
@@ -114,13 +122,13 @@ def _objection(
 
 
 def _seen_through(
-    frames: Sequence[KeyFrame], number: int, newest: int, reference: SurfacePoints,
+    frames: Sequence[KeyFrame], number: int, later: int, reference: SurfacePoints,
     query: SurfacePoints, T_there_here: SE2, config: LoopConfig,
 ) -> str:  # fmt: skip
     """Return a reason if beams of one place pass where the other has walls."""
     T_here_there = T_there_here.inverse()
     shares = (
-        seen_through(frames[newest], reference.moved(T_here_there)),
+        seen_through(frames[later], reference.moved(T_here_there)),
         seen_through(frames[number], query.moved(T_there_here)),
     )
     return "seen through" if max(shares) > config.max_contradiction else ""
