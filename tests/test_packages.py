@@ -45,7 +45,7 @@ FROM_PIP = {
     "threadpoolctl": "threadpoolctl",
 }
 # Not on a robot by default; the code says in one line what is missing.
-OPTIONAL = {"compression", "pybullet"}
+OPTIONAL = {"compression", "nav2_msgs", "pybullet"}
 ROS_KEYS = {
     "ament_index_python",
     "builtin_interfaces",
@@ -176,7 +176,7 @@ def test_manifest_names_what_is_imported_and_nothing_else(package: str) -> None:
     for name, path in imports(package).items():
         if name in ROSDEP_KEYS:
             wanted.add(ROSDEP_KEYS[name])
-        elif name.endswith("_msgs") or name in ROS_KEYS or name in PACKAGES:
+        elif name in ROS_KEYS | set(PACKAGES) or (name.endswith("_msgs") and name not in OPTIONAL):
             wanted.add(name)
         else:
             known = name in FROM_PIP or name in OPTIONAL
