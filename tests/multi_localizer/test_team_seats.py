@@ -92,7 +92,7 @@ def test_a_pattern_fits_best_at_the_yaw_it_was_seen_at() -> None:
     yaw, bearings = 0.6, np.array([0.2, 1.7, -2.0]) - 0.6
     table = nearest_table(np.array([0, 3]), bearings, np.ones(3, dtype=bool))
     turns = np.arange(-3.0, 3.0, 0.03)
-    scores = [pattern(0, t, around, 0.9, bearings, np.full(3, SD**2), table) for t in turns]
+    scores = [pattern(0, t, 0.03, around, 0.9, bearings, np.full(3, SD**2), table) for t in turns]
     assert turns[int(np.argmax(scores))] == pytest.approx(yaw, abs=0.03)
 
 

@@ -84,7 +84,7 @@ def _sum_claims(
                 claims[candidates[i, j, c]] += odds[i, j, c]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, fastmath=True)
 def _say_odds(
     likelihoods: np.ndarray, free_i: np.ndarray, free_j: np.ndarray, num_i: int, num_j: int,
     odds_i: np.ndarray, odds_j: np.ndarray, sums: np.ndarray,
@@ -94,11 +94,13 @@ def _say_odds(
     by_i, by_j = sums[0], sums[1]
     by_j[:num_j] = 0.0
     for c in range(num_i):
-        by_i[c] = likelihoods[c, NONE] * free_i[c]
+        row, free = likelihoods[c], free_i[c]
+        of_c = row[NONE]
         for d in range(num_j):
-            share = likelihoods[c, d] * free_i[c] * free_j[d]
-            by_i[c] += share
-            by_j[d] += share
+            share = row[d] * free_j[d]
+            of_c += share
+            by_j[d] += free * share
+        by_i[c] = free * of_c
         total += by_i[c]
     for d in range(num_j):
         alone = likelihoods[NONE, d] * free_j[d]

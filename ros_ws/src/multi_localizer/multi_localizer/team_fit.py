@@ -146,6 +146,31 @@ def solve(
 
 
 @numba.njit(cache=True)
+def solve_each(
+    poses: np.ndarray, mark_start: np.ndarray, mark_bearing: np.ndarray, mark_var: np.ndarray,
+    marks: np.ndarray, mark_seen: np.ndarray, prior: np.ndarray, prior_info: np.ndarray,
+    prior_weight: np.ndarray, limit: float, max_steps: int,
+) -> tuple[np.ndarray, np.ndarray, float]:  # fmt: skip
+    """Return what `solve` does where no robot sees another: each robot is fitted by itself.
+
+    The bearings to landmarks of robot i are `mark_start[i]:mark_start[i + 1]`.
+    """
+    n, cost = len(poses), 0.0
+    x, cov = poses.copy(), np.zeros((3 * n, 3 * n))
+    nothing, nobody = np.zeros(0), np.zeros(0, dtype=np.int64)
+    for i in range(n):
+        a, b, own = mark_start[i], mark_start[i + 1], slice(i, i + 1)
+        one, its_cov, its_cost = solve(
+            poses[own], np.zeros(2, dtype=np.int64), nothing, nothing, nobody,
+            np.zeros(b - a, dtype=np.int64), mark_bearing[a:b], mark_var[a:b], marks,
+            mark_seen[a:b], prior[own], prior_info[own], prior_weight[own], limit, max_steps,
+        )  # fmt: skip
+        x[i], cost = one[0], cost + its_cost
+        cov[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = its_cov
+    return x, cov, cost
+
+
+@numba.njit(cache=True)
 def moved(x: np.ndarray, step: np.ndarray) -> np.ndarray:
     """Return poses after a step of all their coordinates, no robot by more than half a turn."""
     result = x.copy()

@@ -20,6 +20,7 @@ MAX_CANDIDATES = 8
 NONE = MAX_CANDIDATES
 """Last row and column of a pair's likelihoods: this robot does not see the other."""
 _TINY = 1e-12
+_NEVER = 80.0  # squared deviations
 
 
 @numba.njit(cache=True)
@@ -185,11 +186,14 @@ def weigh_pair(
     for c in range(len(of_j)):
         e, v = wrap(bearings[of_j[c]] - h2), s22 + var[of_j[c]]
         into[NONE, c] = single * np.exp(-0.5 * e * e / v) / np.sqrt(2.0 * np.pi * v)
-    both = visible * (detected / clutter) ** 2
+    both = visible * (detected / clutter) ** 2 / (2.0 * np.pi)
+    last1, last2, inverse, scale = -1.0, -1.0, 0.0, 0.0
     for c in range(len(of_i)):
         e, v1 = wrap(bearings[of_i[c]] - h1), s11 + var[of_i[c]]
         for d in range(len(of_j)):
             f, v2 = wrap(bearings[of_j[d]] - h2), s22 + var[of_j[d]]
-            det = max(v1 * v2 - s12 * s12, _TINY * _TINY)
-            squared = (v2 * e * e - 2.0 * s12 * e * f + v1 * f * f) / det
-            into[c, d] = both * np.exp(-0.5 * squared) / (2.0 * np.pi * np.sqrt(det))
+            if v1 != last1 or v2 != last2:  # most bearings are alike
+                last1, last2, inverse = v1, v2, 1.0 / max(v1 * v2 - s12 * s12, _TINY * _TINY)
+                scale = both * np.sqrt(inverse)
+            squared = (v2 * e * e - 2.0 * s12 * e * f + v1 * f * f) * inverse
+            into[c, d] = scale * np.exp(-0.5 * squared) if squared < _NEVER else 0.0

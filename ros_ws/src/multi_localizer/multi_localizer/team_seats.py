@@ -30,7 +30,7 @@ _BLUR = 0.35  # of a grid's step
 _EDGE_SD = 0.03  # m
 _LEAST_CLEAR = 0.02
 _FINER = 3  # times the grid is halved around a peak
-_YAW_STEP = 0.03  # rad
+_YAW_STEP = 0.08  # rad, halved twice around the best
 _YAW_REACH = 3.5  # deviations of a rough yaw
 NEVER = -1e3
 """Score of a robot at a place that its rough pose rules out."""
@@ -254,16 +254,16 @@ def _clear(
 
 @numba.njit(cache=True)
 def pattern(
-    u: int, yaw: float, around: np.ndarray, detected: float, bearings: np.ndarray, var: np.ndarray,
-    table: np.ndarray,
+    u: int, yaw: float, step: float, around: np.ndarray, detected: float, bearings: np.ndarray,
+    var: np.ndarray, table: np.ndarray,
 ) -> float:  # fmt: skip
-    """Return how well robot u's bearings lead to the known robots around a place at a yaw."""
+    """Return how well robot u's bearings lead to known robots around a place at a yaw."""
     score, product = 0.0, 1.0
     for j in range(len(around)):
         expected, own = around[j, 0] - yaw, 1.0 - detected
         k = look_up(table, u, expected)
         if k >= 0:
-            v = var[k] + around[j, 1] + _YAW_STEP**2 / 3.0
+            v = var[k] + around[j, 1] + step * step / 12.0
             own = ratio(wrap(bearings[k] - expected), v, detected)
         product *= 1.0 - around[j, 2] + around[j, 2] * own * around[j, 3]
         if product < _LEAST or product > _MOST:
@@ -273,9 +273,9 @@ def pattern(
 
 @numba.njit(cache=True)
 def mark_pattern(
-    px: float, py: float, yaw: float, blur: float, detected: float, first: int, last: int,
-    mark_bearing: np.ndarray, mark_var: np.ndarray, marks: np.ndarray, mark_first: np.ndarray,
-    mark_last: np.ndarray,
+    px: float, py: float, yaw: float, step: float, blur: float, detected: float, first: int,
+    last: int, mark_bearing: np.ndarray, mark_var: np.ndarray, marks: np.ndarray,
+    mark_first: np.ndarray, mark_last: np.ndarray,
 ) -> float:  # fmt: skip
     """Return how well a robot's bearings `first:last` lead to landmarks at a pose."""
     product = 1.0
@@ -285,7 +285,7 @@ def mark_pattern(
             dx, dy = marks[m, 0] - px, marks[m, 1] - py
             spread = blur * blur / max(dx * dx + dy * dy, _NEAREST)
             e = wrap(mark_bearing[k] + yaw - np.arctan2(dy, dx))
-            best = max(best, ratio(e, mark_var[k] + spread + _YAW_STEP**2 / 3.0, detected))
+            best = max(best, ratio(e, mark_var[k] + spread + step * step / 12.0, detected))
         product *= max(best, 1.0 - detected)
     return np.log(product)
 
@@ -335,15 +335,21 @@ def seat_scores(
             if has_prior[u] and against >= most_prior:
                 continue
             sd = 1.0 / np.sqrt(prior_info[u, 2, 2]) if has_prior[u] else np.inf
-            half = int(np.ceil(min(_YAW_REACH * sd, np.pi) / _YAW_STEP))
-            best = -np.inf
-            for s in range(-half, half + 1):
-                yaw = prior[u, 2] + s * _YAW_STEP
-                score = pattern(u, yaw, around, detected, bearings, var, table) + mark_pattern(
-                    px, py, yaw, blur, detected, mark_start[u], mark_start[u + 1], mark_bearing,
-                    mark_var, marks, mark_first, mark_last,
-                ) - min(0.5 * (s * _YAW_STEP / sd) ** 2, most_prior)  # fmt: skip
-                if score > best:
-                    best, yaws[a, p] = score, wrap(yaw)
+            middle, half = 0.0, int(np.ceil(min(_YAW_REACH * sd, np.pi) / _YAW_STEP))
+            best, step = -np.inf, _YAW_STEP
+            for _ in range(3):
+                start, best = middle, -np.inf
+                for s in range(-half, half + 1):
+                    turn = start + s * step
+                    score = pattern(
+                        u, prior[u, 2] + turn, step, around, detected, bearings, var, table
+                    ) + mark_pattern(
+                        px, py, prior[u, 2] + turn, step, blur, detected, mark_start[u],
+                        mark_start[u + 1], mark_bearing, mark_var, marks, mark_first, mark_last,
+                    ) - min(0.5 * (turn / sd) ** 2, most_prior)  # fmt: skip
+                    if score > best:
+                        best, middle = score, turn
+                step, half = 0.5 * step, 1
+            yaws[a, p] = wrap(prior[u, 2] + middle)
             scores[a, p] = best - against
     return scores, yaws

@@ -12,12 +12,13 @@ from dataclasses import replace
 import numpy as np
 
 from multi_localizer.team_config import TeamConfig
-from multi_localizer.team_fit import TeamFit, fit_poses
+from multi_localizer.team_fit import TeamFit, solve_each
 from multi_localizer.team_marks import nearest_marks
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_state import PLAIN
 
 _TOUCHING = 0.05  # m beyond the robot's radius
+_STEPS = 30  # of a fit, at most
 _NEAR_SD = 2.0  # deviations of the robot's place
 
 
@@ -29,8 +30,12 @@ def place_alone(problem: TeamProblem, mark_seen: np.ndarray, prior_weight: np.nd
         mark_seen: Landmark of each bearing to one, (K,); -1 for none.
         prior_weight: What each rough pose counts, (N,).
     """
-    none = np.full(len(problem.bearings), -1, dtype=np.int64)
-    return fit_poses(problem, problem.prior, none, mark_seen, prior_weight, PLAIN)
+    mark_start = np.searchsorted(problem.mark_robot, np.arange(problem.num_robots + 1))
+    x, cov, cost = solve_each(
+        problem.prior, mark_start, problem.mark_bearing, problem.mark_var, problem.marks, mark_seen,
+        problem.prior, problem.prior_info, prior_weight, PLAIN, _STEPS,
+    )  # fmt: skip
+    return TeamFit(x, cov, float(cost))
 
 
 def find_marks(problem: TeamProblem, fit: TeamFit, config: TeamConfig) -> np.ndarray:
