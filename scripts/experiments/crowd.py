@@ -8,7 +8,8 @@ its odometry, which drifts; a command is sent one period after the scan it was d
 
 A contact is caused by the robot if it moves faster than 0.05 m/s and the person is in its front
 half-plane or it moves into them; the others are theirs. Success: there within 60 s without a
-contact that it caused. Least distance: outline to torso. Intimate and personal space after Hall
+contact that it caused; there is level with the goal, as how a method stops at one is not asked
+here. Least distance: outline to torso. Intimate and personal space after Hall
 (1966): time with somebody within 0.45 and 1.2 m. A heading change is a turn by more than 15 deg.
 
 No method is tuned on these seeds: other ones (`--seed`) are for that.

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from floornav_common.se2 import SE2
 from sim_bridge.people.obstacles import Obstacles
 from sim_bridge.people.people import drawn_walkers
 from sim_bridge.people.recorded import read_obsmat
@@ -30,6 +31,7 @@ ROBOT = RobotConfig(
 )  # fmt: skip
 NEVER_SHARE = 0.1
 _APPEARS = 3.0  # nobody begins to be recorded nearer to a robot that drives straight, m
+_LEVEL, _ASIDE = 0.3, 1.5  # where a drive is over, before and beside its goal, m
 _APART = 0.7  # people at the start from each other, m
 
 
@@ -51,6 +53,14 @@ class Scene:
     def straight_m(self) -> float:
         """From the start to the goal, m."""
         return math.dist(self.world.robots[0].position_m, self.goal)
+
+    def is_finished(self, pose: SE2) -> bool:
+        """Tell whether a robot is level with its goal, no farther aside than 1.5 m."""
+        start = np.array(self.world.robots[0].position_m)
+        way = (np.array(self.goal) - start) / self.straight_m
+        off = np.array([pose.x, pose.y]) - start
+        aside = float(way[0] * off[1] - way[1] * off[0])
+        return float(way @ off) > self.straight_m - _LEVEL and abs(aside) < _ASIDE
 
 
 def corridor(seed: int) -> Scene:

@@ -16,6 +16,7 @@ from experiments import crowd, crowd_runs
 from experiments.crowd_runs import Outcome, Task, beside, figures, run_task
 from experiments.crowd_scenes import ROBOT, SCENES, recorded
 from floornav_common.reporting import UserError
+from floornav_common.se2 import SE2
 from sim_bridge.robot_model import load_robot
 from sim_bridge.simulation import check_world
 
@@ -75,6 +76,14 @@ def test_scenes_can_be_built_and_follow_from_their_seed(name: str) -> None:
         assert all(math.dist(a, b) > 0.4 for k, a in enumerate(places) for b in places[:k])
         assert scene.all_yield == (not any(plan.never_notices for plan in scene.world.people))
     assert SCENES[name](3) == SCENES[name](3) != SCENES[name](4)
+
+
+def test_a_drive_is_over_level_with_its_goal() -> None:
+    scene = SCENES["corridor"](0)  # from (1, 0) to (12, 0)
+    assert scene.is_finished(SE2(11.8, 1.2, 0.3))
+    assert scene.is_finished(SE2(13.0, -1.0, 0.0))
+    assert not scene.is_finished(SE2(11.5, 0.0, 0.0))
+    assert not scene.is_finished(SE2(12.0, 2.0, 0.0))
 
 
 def test_about_one_in_ten_never_notices() -> None:
