@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from experiments.landmark_faults import fault_rows, fault_table
+from experiments.landmark_faults import drive_rows, drive_table, fault_rows, fault_table
 from experiments.landmark_pictures import draw_errors
 from experiments.landmark_views_sim import FieldEye, View, measured_bearing_sd
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
@@ -116,7 +116,8 @@ def check(args: argparse.Namespace) -> None:
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Judge both methods on pictures and on bearings with noise."""
-    values.update({"places": len(PLACES), "methods": None, "noise": None, "faults": None})
+    values.update({"places": len(PLACES), "methods": None, "noise": None, "faults": None,
+                   "drives": None})  # fmt: skip
     config = replace(LandmarkConfig(), bearing_sd_rad=measured_bearing_sd(CALIBRATION_SEED))
     values["bearing_sd_rad"] = config.bearing_sd_rad
     tallies = _from_pictures(args, config)
@@ -124,6 +125,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     noise = _from_noise(args)
     values["noise"] = noise
     faults = values["faults"] = fault_rows(args.seed, LandmarkConfig())
+    drives = values["drives"] = drive_rows(args.seed, LandmarkConfig(), is_quiet=args.quiet)
     path = draw_errors(args.out_dir / "errors.png", tallies[-1].errors, PLACES, args.headings)
     caption = "likeliest, method 2: errors of all headings, twenty times as long"
     return [
@@ -133,6 +135,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         ),
         Section("Bearings of four posts with noise", [_noise_table(noise)]),
         Section("One of the bearings false by 0.03 to 0.5 rad", [fault_table(faults)]),
+        Section("The same in short drives, views confirming each other", [drive_table(drives)]),
     ]
 
 

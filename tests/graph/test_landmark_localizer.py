@@ -214,6 +214,32 @@ def test_map_to_odom_is_sent_while_the_pose_is_known_and_nobody_else_does(
     assert node.stop() == 0
 
 
+def test_method_floor_without_masks_says_at_once_what_it_waits_for(start: Any, peer: Any) -> None:
+    node = start(*NODE, "--ros-args", "-p", "method:=floor")
+    node.wait_for("ready", START_S)
+    node.wait_for("floor/mask: never arrived; published by nobody")
+    robot, seen = LandmarkRobot(peer, node), bearings_from(HERE)
+    robot.stand()
+    alone = robot.says(WARN, "by bearings alone; no distances without floor/mask: never arrived")
+    robot.see_until(seen, lambda: bool(robot.poses) and alone())
+    two = {kind: seen[kind] for kind in ("goal_blue_left", "goal_yellow_left")}
+    robot.see_until(two, robot.says(ERROR, "no distances without floor/mask"))
+    assert node.stop() == 0
+
+
+def test_a_pose_is_given_once_as_many_views_as_asked_for_have_shown_it(
+    start: Any, peer: Any
+) -> None:
+    node = start(*NODE, "--ros-args", "-p", "track.settle_views:=4")
+    node.wait_for("ready", START_S)
+    robot, seen = LandmarkRobot(peer, node), bearings_from(HERE)
+    robot.stand()
+    robot.see_until(seen, lambda: bool(robot.poses))
+    first = stamp_to_ns(robot.poses[0].header.stamp)
+    assert first >= 5_000_000_000 + 4 * 100_000_000  # the fourth view's at the earliest
+    assert node.stop() == 0
+
+
 def test_files_that_are_none_are_one_line_and_exit_code_2(start: Any, tmp_path: Path) -> None:
     path = tmp_path / "twice.yaml"
     path.write_text("pole: {positions_m: [[1, 2], [1, 2]]}\n")

@@ -1,4 +1,4 @@
-"""How far a robot may have moved from one mask to the next."""
+"""How far a robot may have moved from one image to the next."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import numpy as np
 
 from floornav_common.se2 import SE2
 from multi_localizer.floor_node_config import FloorTrackConfig
+from multi_localizer.landmark_config import LandmarkTrackConfig
 
 
 def motion_between(
-    before: SE2 | None, after: SE2 | None, dt: float, config: FloorTrackConfig
+    before: SE2 | None, after: SE2 | None, dt: float, config: FloorTrackConfig | LandmarkTrackConfig
 ) -> tuple[SE2, np.ndarray]:
     """Return the motion in a time by odometry, or none with the deviation of all that can be."""
     if before is None or after is None:

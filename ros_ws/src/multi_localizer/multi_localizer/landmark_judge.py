@@ -24,7 +24,7 @@ Assignment = tuple[tuple[Sighting, Landmark] | None, ...]
 """Of each sighting what is used of it, with or without its distance, and the landmark it is of."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Explanation:
     """A pose and what it makes of the sightings.
 
@@ -74,6 +74,20 @@ def judge(found: Sequence[Explanation], num_seen: int, config: LandmarkConfig) -
     if problem:
         return Verdict(None, problem)
     return Verdict(estimate, note="nothing confirms it" if num_values == NEED else "")
+
+
+def as_expected(
+    found: Sequence[Explanation], expected: PoseEstimate | None, config: LandmarkConfig
+) -> list[Explanation]:
+    """Return explanations, the best first; of those that fit alike the expected ones alone."""
+    likely = [e for e in found if e.cost - found[0].cost < config.ambiguity_sd**2]
+    near = [e for e in likely if expected is not None and _is_near(e, expected, config)]
+    return [e for e in found if e in near or e not in likely] if near else list(found)
+
+
+def _is_near(one: Explanation, expected: PoseEstimate, config: LandmarkConfig) -> bool:
+    estimate = estimate_of(one.fit)
+    return estimate is not None and mahalanobis(estimate, expected) < config.gate_sd**2
 
 
 def are_apart(a: Explanation, b: Explanation) -> bool:

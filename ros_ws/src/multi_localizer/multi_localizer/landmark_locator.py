@@ -18,6 +18,7 @@ from multi_localizer.landmark_judge import (
     Assignment,
     Explanation,
     are_apart,
+    as_expected,
     judge,
 )
 from multi_localizer.landmark_starts import choices, refined_poses, rough_costs
@@ -60,14 +61,22 @@ class LandmarkLocator:
         corners = [c for marks in landmarks.values() for m in marks for c in m.corners]
         self._middle = np.array(corners).mean(axis=0)
 
-    def locate(self, sightings: Sequence[Sighting]) -> LandmarkFix:
-        """Return the one pose that explains what was seen, or why there is none."""
+    def locate(
+        self, sightings: Sequence[Sighting], expected: PoseEstimate | None = None
+    ) -> LandmarkFix:
+        """Return the one pose that explains what was seen, or why there is none.
+
+        Args:
+            sightings: What is seen at one moment.
+            expected: Where the sensor should be; tells poses apart that fit alike.
+        """
         usable, note = self._usable(sightings)
         if sum(s.num_values for s in usable) < NEED:
             return LandmarkFix(None, _too_few(usable), note=note)
         tries = self._tries(usable)
         if not tries:
             return LandmarkFix(None, self._no_start(usable), note=note)
+        tries = as_expected(tries, expected, self._config)
         best = tries[0]
         used = [pair for pair in best.marks if pair is not None]
         num_out = len(usable) - len(used)

@@ -15,6 +15,7 @@ from multi_localizer.landmark_fit import Sighting
 from multi_localizer.landmark_floor import FloorEnds
 from multi_localizer.landmark_locator import LandmarkFix, LandmarkLocator
 from multi_localizer.landmarks import Landmarks
+from multi_localizer.pose_estimate import PoseEstimate
 
 _SAME_PLACE_M = 0.01
 
@@ -46,18 +47,22 @@ class LandmarkViews:
         self._locator = LandmarkLocator(self._landmarks, config)
 
     def locate(
-        self, bearings: Mapping[str, np.ndarray], mask: np.ndarray | None = None
+        self,
+        bearings: Mapping[str, np.ndarray],
+        mask: np.ndarray | None = None,
+        expected: PoseEstimate | None = None,
     ) -> LandmarkFix:
         """Return the pose of the sensor that a view gives.
 
         Args:
             bearings: By class, (K,) each, rad.
             mask: Of the floor at the same moment, (H, W), uint8; None where there is none.
+            expected: Where the sensor should be; None if that is not known.
 
         Raises:
             ValueError: The mask has another shape than the camera's images.
         """
-        return self._locator.locate(self.sightings(bearings, mask))
+        return self._locator.locate(self.sightings(bearings, mask), expected)
 
     def sightings(
         self, bearings: Mapping[str, np.ndarray], mask: np.ndarray | None = None

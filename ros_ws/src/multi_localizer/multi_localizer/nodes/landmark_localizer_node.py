@@ -2,7 +2,7 @@
 
 In: `bearings/<class>` (PoseArray, for each class of the file `landmarks`, in frames at one place);
 with `method: floor` too `floor/mask` (Image mono8: how far away landmarks stand), its camera above
-TF base_link->`floor_frame`; with `publish_tf` odom->base_link or `odom` (Odometry).
+TF base_link->`floor_frame`; TF odom->base_link or `odom` (Odometry): what follows from the motion.
 Out: `landmark_pose` (PoseWithCovarianceStamped of base_link in map; nothing while it is not known),
 TF map->odom with `publish_tf`.
 """
@@ -30,17 +30,18 @@ from floornav_common.ros.watchdog import Watchdog
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
 from floornav_common.transform_errors import TransformUnavailable
-from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig
-from multi_localizer.landmark_views import LandmarkViews, turned_together
+from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig, LandmarkTimeConfig
+from multi_localizer.landmark_localizer import LandmarkLocalizer
+from multi_localizer.landmark_views import LandmarkViews
 from multi_localizer.landmarks import load_landmarks
 from multi_localizer.nodes.landmark_report import LandmarkReport
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
 from multi_localizer.nodes.state_log import StateLog
-from multi_localizer.pose_estimate import moved
 from multi_localizer.ros_conversions import bearings_from_msg
 from multi_localizer.stamp_groups import StampGroups
 
 MASK = "floor/mask"
+LOG_PERIOD_S = 5.0
 
 
 class LandmarkLocalizerNode(FloornavNode):
@@ -51,39 +52,44 @@ class LandmarkLocalizerNode(FloornavNode):
         super().__init__("landmark_localizer")
         config = self._config = declare_config(self, LandmarkNodeConfig)
         self._floor_frame = (self.frames.frame_prefix + config.floor_frame).lstrip("/")
-        tuning = declare_config(
-            self, LandmarkConfig, on_change=lambda changed: self._views.reconfigure(changed)
-        )
-        self._views = self._make_views(config, tuning)
+        self._localizer = self._make_localizer(config)
         self._groups = StampGroups(round(config.wait_s * 1e9))
         self._outputs = LocalizerOutputs(self, "landmark_pose", config.publish_tf)
-        self._odometry = OdometryFallback(self) if config.publish_tf else None
+        self._odometry = OdometryFallback(self)
         self._watchdog = Watchdog(self, "bearings", config.input_timeout_s)
         self._report = LandmarkReport(
             self, self._watchdog, self._outputs, self._groups, config.input_timeout_s
         )
         self.diagnostics.add("landmark pose", self._report.status)
-        self._log = StateLog(self, self._report.status)
+        self._log = StateLog(self, self._report.status, period_s=LOG_PERIOD_S)
         self._topics = [
             TransformedSubscription(
                 self, PoseArray, f"bearings/{kind}", RELIABLE_QOS, self.frames.base,
                 partial(self._on_bearings, kind),
             )
-            for kind in self._views.kinds
+            for kind in self._localizer.views.kinds
         ]  # fmt: skip
         if config.method == "floor":
             create_subscription(self, Image, MASK, self._on_mask, SENSOR_QOS)
+            self._report.watch_masks(MASK)
         self.transforms.on_restart(self._groups.clear)
+        self.transforms.on_restart(self._localizer.tracker.clear)
         self.time.on_look(self._look)
         self.ready()
 
-    def _make_views(self, config: LandmarkNodeConfig, tuning: LandmarkConfig) -> LandmarkViews:
+    def _make_localizer(self, config: LandmarkNodeConfig) -> LandmarkLocalizer:
+        tuning = declare_config(self, LandmarkConfig, on_change=self._tune)
+        times = declare_config(self, LandmarkTimeConfig, on_change=self._tune)
         try:
             is_floor = config.method == "floor"
             camera = load_camera_model(config.camera_model) if is_floor else None
-            return LandmarkViews(load_landmarks(config.landmarks), tuning, camera)
+            views = LandmarkViews(load_landmarks(config.landmarks), tuning, camera)
         except (ValueError, OSError) as error:
             raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
+        return LandmarkLocalizer(views, times.track)
+
+    def _tune(self, config: LandmarkConfig | LandmarkTimeConfig) -> None:
+        self._localizer.reconfigure(config)
 
     def _on_bearings(self, kind: str, msg: Any, T_base_sensor: Transform3) -> None:
         self._watchdog.feed()
@@ -91,9 +97,12 @@ class LandmarkLocalizerNode(FloornavNode):
 
     def _on_mask(self, msg: Any) -> None:
         try:
-            self._add(MASK, msg, image_to_array(msg, "mono8"))
+            mask = image_to_array(msg, "mono8")
         except ValueError as error:
-            self._report.refuse(f"{MASK}: {error}")
+            self._report.refuse_mask(str(error))
+            return
+        self._report.note_mask()
+        self._add(MASK, msg, mask)
 
     def _add(self, key: str, msg: Any, value: Any) -> None:
         stamp_ns = stamp_to_ns(msg.header.stamp)
@@ -110,35 +119,26 @@ class LandmarkLocalizerNode(FloornavNode):
         mask: np.ndarray | None = group.pop(MASK, None)
         if not group:
             return
-        started = time.perf_counter()
+        started, T_odom_base = time.perf_counter(), self._odometry_at(stamp_ns)
         try:
-            T_base_sensor = self._sensor_at(stamp_ns, group, mask is not None)
-            bearings = turned_together(group, T_base_sensor)
-            fix = self._views.locate(bearings, mask)
+            at = (self.frames.base, self._floor_frame, stamp_ns)
+            T_base_floor = None if mask is None else self._at(*at)
+            answer = self._localizer.take(stamp_ns, group, mask, T_base_floor, T_odom_base)
         except (ValueError, TransformUnavailable) as error:
             self._report.refuse(str(error))
             return
-        self._report.note(fix, bearings, 1e3 * (time.perf_counter() - started))
-        if fix.estimate is not None:
-            base = moved(fix.estimate, T_base_sensor.inverse())
-            self._outputs.send(ns_to_stamp(stamp_ns), base, self._odometry_at(stamp_ns))
-
-    def _sensor_at(self, stamp_ns: int, group: dict[str, Any], has_mask: bool) -> SE2:
-        """Return where the pose is of: the floor below the camera of the mask, or a sensor."""
-        if not has_mask:
-            T_base_sensor: SE2 = next(iter(group.values()))[1]
-            return T_base_sensor
-        buffer = self.transforms.buffer
-        return buffer.lookup(self.frames.base, self._floor_frame, stamp_ns).to_se2()
+        self._report.note(answer, 1e3 * (time.perf_counter() - started))
+        if answer.pose is not None:
+            self._outputs.send(ns_to_stamp(stamp_ns), answer.pose, T_odom_base)
 
     def _odometry_at(self, stamp_ns: int) -> SE2 | None:
-        if not self._config.publish_tf:
-            return None
-        frames, buffer = self.frames, self.transforms.buffer
         try:
-            return buffer.lookup(frames.odom, frames.base, stamp_ns).to_se2()
+            return self._at(self.frames.odom, self.frames.base, stamp_ns)
         except (TransformUnavailable, ValueError):
             return None
+
+    def _at(self, target: str, source: str, stamp_ns: int) -> SE2:
+        return self.transforms.buffer.lookup(target, source, stamp_ns).to_se2()
 
 
 def main(args: list[str] | None = None) -> int:

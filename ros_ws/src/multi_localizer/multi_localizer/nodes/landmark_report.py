@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -11,9 +10,12 @@ from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.watchdog import Watchdog
 from floornav_common.time_watch import Deadline
-from multi_localizer.landmark_locator import LandmarkFix
+from multi_localizer.landmark_localizer import LandmarkAnswer
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
 from multi_localizer.stamp_groups import StampGroups
+
+HELD_NS = 500_000_000
+"""A pose sent counts for so long: a view without one between others is no news."""
 
 
 class LandmarkReport:
@@ -34,31 +36,53 @@ class LandmarkReport:
         self._node, self._views = node, Deadline(round(timeout_s * 1e9))
         node.time.on_restart(self._forget)
         self._watchdog, self._outputs, self._groups = watchdog, outputs, groups
-        self._fix: LandmarkFix | None = None
-        self._seen: dict[str, int] = {}
+        self._answer: LandmarkAnswer | None = None
+        self._held = Deadline(HELD_NS)
+        self._masks: Watchdog | None = None
         self._refusal, self._ms, self._num_views = "", 0.0, 0
+        self._timeout_s = timeout_s
+
+    def watch_masks(self, topic: str) -> None:
+        """Begin to look for masks of the floor."""
+        self._masks = Watchdog(self._node, topic, self._timeout_s)
+
+    def note_mask(self) -> None:
+        """Note a mask of the floor."""
+        if self._masks is not None:
+            self._masks.feed()
+
+    def refuse_mask(self, why: str) -> None:
+        """Note a mask that cannot be used."""
+        if self._masks is not None:
+            self._masks.refuse(why)
+            self.refuse(f"{self._masks.topic}: {why}")
 
     @property
     def is_lost(self) -> bool:
         """Whether there is no pose now."""
-        is_known = self._fix is not None and self._fix.estimate is not None
         is_fresh = self._watchdog.is_fresh and not self._has_no_view
-        return not is_fresh or bool(self._refusal) or not is_known
+        return not is_fresh or bool(self._refusal) or not self._is_held
+
+    @property
+    def _is_held(self) -> bool:
+        return self._held.has_heard and not self._held.is_over(self._node.time.read_ns())
 
     @property
     def _has_no_view(self) -> bool:
-        return self._fix is not None and self._views.is_over(self._node.time.read_ns())
+        return self._answer is not None and self._views.is_over(self._node.time.read_ns())
 
     def _forget(self) -> None:
-        self._fix, self._refusal = None, ""
+        self._answer, self._refusal = None, ""
         self._views.restart()
+        self._held = Deadline(HELD_NS)
 
-    def note(self, fix: LandmarkFix, bearings: Mapping[str, np.ndarray], ms: float) -> None:
+    def note(self, answer: LandmarkAnswer, ms: float) -> None:
         """Note what came of a view, and the time it took."""
-        self._fix, self._ms, self._refusal = fix, ms, ""
+        self._answer, self._ms, self._refusal = answer, ms, ""
         self._num_views += 1
         self._views.feed(self._node.time.read_ns())
-        self._seen = {kind: len(values) for kind, values in bearings.items()}
+        if answer.pose is not None:
+            self._held.feed(self._node.time.read_ns())
 
     def refuse(self, why: str) -> None:
         """Note input that cannot be used."""
@@ -75,13 +99,25 @@ class LandmarkReport:
             return Status(STALE, f"no pose is sent: {why}", values)
         if self._refusal:
             return Status(ERROR, f"no pose is sent: {self._refusal}", values)
-        if self._fix is None:
-            return Status(STALE, "nothing seen yet", values)
-        if self._fix.problem:
-            return Status(ERROR, f"no pose is sent: {self._fix.problem}", values)
-        if self._fix.note:
-            return Status(WARN, f"the pose is known, but {self._fix.note}", values)
+        if self._answer is None:
+            return Status(STALE, f"nothing seen yet{self._without_masks()}", values)
+        problem = self._answer.fix.problem
+        if not self._is_held and (problem or self._answer.why_not):
+            why = f"{problem or self._answer.why_not}{self._without_masks()}"
+            return Status(ERROR if problem else WARN, f"no pose is sent: {why}", values)
+        note = self._answer.fix.note
+        if note and not problem:
+            return Status(WARN, f"the pose is known, but {note}", values)
+        if self._without_masks():
+            return Status(WARN, f"the pose is known, but by bearings alone{self._without_masks()}",
+                          values)  # fmt: skip
         return Status(OK, "the pose is known", values)
+
+    def _without_masks(self) -> str:
+        """Return in words that masks are waited for; "" if they come, or are not asked for."""
+        if self._masks is None or self._masks.is_fresh:
+            return ""
+        return f"; no distances without {self._masks.topic}: {self._masks.status().message}"
 
     def _values(self) -> dict[str, object]:
         values: dict[str, object] = {
@@ -90,15 +126,18 @@ class LandmarkReport:
             "came too late": self._groups.num_late,
             "processing (ms)": f"{self._ms:.2f}",
         }
-        if self._fix is not None:
-            values["landmarks used"] = self._fix.num_used
-            values["landmarks left out"] = self._fix.num_left_out
-            if self._fix.note:
-                values["left out before"] = self._fix.note
-            if self._fix.estimate is not None:
-                x, y, yaw = np.sqrt(np.diag(self._fix.estimate.cov))
+        if self._answer is not None:
+            fix = self._answer.fix
+            values["landmarks used"], values["landmarks left out"] = fix.num_used, fix.num_left_out
+            newest = fix.problem or self._answer.why_not
+            if newest:
+                values["newest view gives no pose"] = newest
+            if fix.note:
+                values["left out before"] = fix.note
+            if fix.estimate is not None:
+                x, y, yaw = np.sqrt(np.diag(fix.estimate.cov))
                 values["deviation x, y (mm), yaw (deg)"] = (
                     f"{1e3 * x:.0f}, {1e3 * y:.0f}, {math.degrees(yaw):.2f}"
                 )
-        values.update({f"{kind} seen": num for kind, num in self._seen.items()})
+            values.update({f"{kind} seen": num for kind, num in self._answer.num_seen.items()})
         return values
