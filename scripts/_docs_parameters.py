@@ -20,7 +20,7 @@ from floornav_common.frames import FrameConfig
 from floornav_common.ros.node import ProcessConfig
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from multi_localizer.floor_node_config import FloorLocalizerConfig, FloorPoseConfig
-from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig
+from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig, LandmarkTimeConfig
 from multi_localizer.stereo_config import StereoMatcherConfig
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_localizer_node_config import StereoLocalizerNodeConfig
@@ -56,7 +56,7 @@ NODES: dict[str, tuple[type, ...]] = {
         FloorLocalizerConfig, FloorPoseConfig, FrameConfig, ProcessConfig,
     ),
     "multi_localizer landmark_localizer": (
-        LandmarkNodeConfig, LandmarkConfig, FrameConfig, ProcessConfig,
+        LandmarkNodeConfig, LandmarkConfig, LandmarkTimeConfig, FrameConfig, ProcessConfig,
     ),
     "multi_localizer stereo_localizer": (
         StereoLocalizerNodeConfig, StereoLocalizerConfig, FrameConfig, ProcessConfig,
