@@ -18,6 +18,7 @@ from sjmc_planner.planning import Obstacles
 
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _TURN = 2.0 * math.pi
+_ON = 0.01  # of a step: this near to a beam is on it
 _LOOKS = np.array([0.1, 0.5, 1.0])  # of a reach: where a direction is looked along
 
 
@@ -65,6 +66,11 @@ class BeamReader:
         self._gap = unseen_gap
         self._kind: tuple[float, float, int] = (0.0, 0.0, -1)
         self._units = np.zeros((0, 2))
+
+    @property
+    def units(self) -> np.ndarray:
+        """Directions of the beams of the scan read last, from the sensor, shape (N, 2)."""
+        return self._units
 
     def read(self, obstacles: Obstacles) -> BeamEnds:
         """Return where the beams of a scan end."""
@@ -141,7 +147,7 @@ def _seen_to(x, y, ranges, angle_min, step, pose):  # type: ignore[no-untyped-de
     num, turn = len(ranges), _TURN / abs(step)
     off = (_bearing(sy, sx) - angle_min) / step
     off -= turn * np.floor(off / turn)
-    right, left = int(np.floor(off + 1e-6)), int(np.ceil(off - 1e-6))
+    right, left = int(np.floor(off + _ON)), int(np.ceil(off - _ON))
     if left >= num:
         if turn - num < 0.5:  # the beams go once around
             right, left = min(right, num - 1), 0
