@@ -11,10 +11,11 @@ from team_builders import GOALS, team
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit
 from multi_localizer.team_identify import place_first
+from multi_localizer.team_places import crossing, known_robots, open_places
 from multi_localizer.team_problem import make_problem
 from multi_localizer.team_relocate import nearest_table
 from multi_localizer.team_reseat import reseat
-from multi_localizer.team_seats import crossing, known_robots, look_around, open_places, pattern
+from multi_localizer.team_seats import look_around, pattern
 from multi_localizer.team_yaws import CLUTTER
 
 SD = 0.01

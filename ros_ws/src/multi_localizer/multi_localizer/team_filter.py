@@ -10,8 +10,7 @@ estimated with them. Robots start, and start again when lost, from bearings alon
     team.estimates()                                           # of the robots that are located
 
 Predict every robot up to the stamp of a picture before its update: a robot seen is where it was
-predicted last. Errors of bearings that one place repeats are alike, and are counted as such
-(`repeat_s`).
+predicted last. Errors of bearings that one place repeats count as alike (`repeat_s`).
 """
 
 from __future__ import annotations

@@ -94,10 +94,8 @@ def step(
         H, g, poses, start, bearings, var, seen, mark_robot, mark_bearing, mark_var, marks,
         mark_seen, prior, prior_info, prior_weight, limit,
     )  # fmt: skip
-    while not cholesky(H, L):
-        for k in range(size):
-            H[k, k] *= 1.0 + 1e-9
-    return moved(poses, solve_cholesky(L, -g)), inverse_cholesky(L), cost
+    cov = inverse(H, L)
+    return moved(poses, solve_cholesky(L, -g)), cov, cost
 
 
 @numba.njit(cache=True)
@@ -138,11 +136,17 @@ def solve(
             damping = max(10.0 * damping, 1e-4)
         if is_small or damping > 1e8:
             break
-    damped[:] = H
-    while not cholesky(damped, L):
-        for k in range(size):
-            damped[k, k] *= 1.0 + 1e-9
-    return x, inverse_cholesky(L), cost
+    return x, inverse(H, L), cost
+
+
+@numba.njit(cache=True)
+def inverse(H: np.ndarray, L: np.ndarray) -> np.ndarray:
+    """Return the inverse of H, a little more on its diagonal if need be; L becomes its factor."""
+    raised = H.copy()
+    while not cholesky(raised, L):
+        for k in range(len(H)):
+            raised[k, k] *= 1.0 + 1e-9
+    return inverse_cholesky(L)
 
 
 @numba.njit(cache=True)

@@ -24,27 +24,31 @@ def visibility(x: np.ndarray, cov: np.ndarray, radius: float, least: float) -> n
     most = np.max(spread)
     for i in range(n):
         for j in range(i + 1, n):
-            dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-            squared = max(dx * dx + dy * dy, 1e-9)
-            length = np.sqrt(squared)
-            inverse = 1.0 / squared
             widest = radius + 3.0 * np.sqrt(most + max(spread[i], spread[j]))
-            for k in range(n):
-                ex, ey = x[k, 0] - x[i, 0], x[k, 1] - x[i, 1]
-                along = (ex * dx + ey * dy) * inverse
-                across = ex * dy - ey * dx
-                if (
-                    along <= 0.0
-                    or along >= 1.0
-                    or across * across * inverse > widest * widest
-                    or k in (i, j)
-                ):
-                    continue
-                beside = abs(across) / length
-                sd = np.sqrt(spread[k] + along**2 * spread[j] + (1.0 - along) ** 2 * spread[i])
-                far = (beside - radius) / max(sd, 1e-3)
-                if far < 3.0:
-                    chance[i, j] *= 1.0 / (1.0 + np.exp(-1.7 * far))
-            chance[i, j] = max(chance[i, j], least)
+            chance[i, j] = max(_clear_way(x, spread, i, j, radius, widest), least)
             chance[j, i] = chance[i, j]
+    return chance
+
+
+@numba.njit(cache=True)
+def _clear_way(
+    x: np.ndarray, spread: np.ndarray, i: int, j: int, radius: float, widest: float
+) -> float:
+    """Return the chance that nobody within `widest` of the line from i to j stands on it."""
+    chance = 1.0
+    dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+    squared = max(dx * dx + dy * dy, 1e-9)
+    length, inverse = np.sqrt(squared), 1.0 / squared
+    for k in range(len(x)):
+        ex, ey = x[k, 0] - x[i, 0], x[k, 1] - x[i, 1]
+        along = (ex * dx + ey * dy) * inverse
+        across = ex * dy - ey * dx
+        is_aside = across * across * inverse > widest * widest
+        if along <= 0.0 or along >= 1.0 or is_aside or k in (i, j):
+            continue
+        beside = abs(across) / length
+        sd = np.sqrt(spread[k] + along**2 * spread[j] + (1.0 - along) ** 2 * spread[i])
+        far = (beside - radius) / max(sd, 1e-3)
+        if far < 3.0:
+            chance *= 1.0 / (1.0 + np.exp(-1.7 * far))
     return chance

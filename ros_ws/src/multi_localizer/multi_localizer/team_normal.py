@@ -65,18 +65,15 @@ def add_bearing(
     H[q, q] += aa
     H[q + 1, q + 1] += bb
     H[q + 1, q] += ab
+    high, low = max(p, q), min(p, q)
+    H[high, low] -= aa
+    H[high, low + 1] -= ab
+    H[high + 1, low] -= ab
+    H[high + 1, low + 1] -= bb
     if q > p:
-        H[q, p] -= aa
-        H[q, p + 1] -= ab
-        H[q + 1, p] -= ab
-        H[q + 1, p + 1] -= bb
         H[q, p + 2] -= w * a
         H[q + 1, p + 2] -= w * b
     else:
-        H[p, q] -= aa
-        H[p + 1, q] -= ab
-        H[p, q + 1] -= ab
-        H[p + 1, q + 1] -= bb
         H[p + 2, q] -= w * a
         H[p + 2, q + 1] -= w * b
     g[p] += w * a * e

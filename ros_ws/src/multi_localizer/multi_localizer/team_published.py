@@ -83,6 +83,14 @@ def _placed(
     wrong = {i for i in known if _contradicts(problem, i, placed[i], cov[i], config)}
     if 2 * len(wrong) >= len(known):
         return replace(relative, unobservable="the layout contradicts the robots' own poses")
+    return _said(problem, relative, placed, wrong, config)
+
+
+def _said(
+    problem: TeamProblem, relative: TeamSolution, placed: dict[int, PoseEstimate], wrong: set[int],
+    config: TeamConfig,
+) -> TeamSolution:  # fmt: skip
+    """Return the answer with those poses that are known well enough and contradict nobody's."""
     return replace(
         relative,
         estimates={

@@ -2,7 +2,7 @@
 
 One that is in another's place keeps that one from being found, and any place near the middle of a
 crowd finds a few bearings by chance. So none of them is looked for by itself: all are taken away,
-places are looked for by the rest (`team_seats`), and robots and places are assigned to each other
+places are looked for by the rest (`team_places`), and robots and places are assigned to each other
 as a whole. Where the assignment leaves a doubt, a robot goes back to its rough pose.
 """
 
@@ -16,10 +16,11 @@ from scipy.optimize import linear_sum_assignment
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit
 from multi_localizer.team_identify import believe
+from multi_localizer.team_places import known_robots, open_places
 from multi_localizer.team_problem import TeamProblem
 from multi_localizer.team_recovery import prior_distance, put, returned
 from multi_localizer.team_relocate import MOST_PRIOR, nearest_table
-from multi_localizer.team_seats import NEVER, known_robots, open_places, seat_scores
+from multi_localizer.team_seats import NEVER, seat_scores
 from multi_localizer.team_state import Identification
 from multi_localizer.team_trust import WRONG_PRIOR
 

@@ -87,6 +87,12 @@ def _best_turn(
                     total += np.exp(-0.5 * e * e / v)
             total *= _DETECTED / np.sqrt(2.0 * np.pi * v) / CLUTTER
             scores[s] += np.log(1.0 - _DETECTED + total)
+    return _mean_turn(scores, half)
+
+
+@numba.njit(cache=True)
+def _mean_turn(scores: np.ndarray, half: int) -> tuple[float, float]:
+    """Return the mean turn and its deviation under log-likelihoods of turns around `half`."""
     best = np.max(scores)
     weights, mean, square = 0.0, 0.0, 0.0
     for s in range(len(scores)):
