@@ -24,7 +24,16 @@ def judge(
     scales = fit_scales(config.judge_color, len(targets), config, 1.0)
     for target in targets:
         color, distance = scene.render(poses, target.camera, target.size)
-        _add_costs(color, distance, target.color, target.inverse, target.weight, scales, costs)
+        _add_costs(
+            color,
+            distance,
+            target.color,
+            target.inverse,
+            target.weight,
+            target.precision,
+            scales,
+            costs,
+        )
     return costs
 
 
@@ -35,7 +44,7 @@ def known_part(targets: Sequence[Target], color_share: float) -> float:
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def _add_costs(color, distance, seen_color, seen_inverse, seen_weight, scales, costs):  # type: ignore[no-untyped-def]
+def _add_costs(color, distance, seen_color, seen_inverse, seen_weight, precision, scales, costs):  # type: ignore[no-untyped-def]
     rows, columns = seen_weight.shape
     color_part, distance_part = scales[0] / (rows * columns), scales[1] / (rows * columns)
     for n in range(len(costs)):
@@ -45,7 +54,7 @@ def _add_costs(color, distance, seen_color, seen_inverse, seen_weight, scales, c
                 if np.isnan(far):
                     costs[n] += color_part + weight
                     continue
-                square = (1.0 / max(far, 0.01) - seen_inverse[v, u]) ** 2 * scales[3]
+                square = (1.0 / max(far, 0.01) - seen_inverse[v, u]) ** 2 * precision[v, u]
                 costs[n] += weight * square / (1.0 + square)
                 light, square = 1e-3, 0.0
                 for c in range(3):

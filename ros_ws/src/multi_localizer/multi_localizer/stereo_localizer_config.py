@@ -67,6 +67,9 @@ class StereoLocalizerConfig:
     inverse_error_per_m: float = param(
         0.02, "ours: an inverse distance off by this is half wrong.", unit="1/m", gt=0.0
     )
+    map_error_m: float = param(
+        0.01, "ours: a place off by this is half wrong, besides.", unit="m", ge=0.0
+    )
     fit_color: float = param(
         0.1, "ours: what color counts where a pose is fitted; distance counts the rest.", ge=0.0,
         le=1.0,
@@ -93,7 +96,7 @@ class StereoLocalizerConfig:
         0.001, "ours: a pose with less of the belief is dropped.", ge=0.0, lt=0.5
     )
     lost_cost: float = param(
-        0.5, "ours: where more of the views is wrong, of 1, the robot is not there.", gt=0.0, le=1.0
+        0.4, "ours: where more of the views is wrong, of 1, the robot is not there.", gt=0.0, le=1.0
     )
     least_seen: float = param(
         0.1, "ours: views of which less is known, of 1, say nothing.", ge=0.0, le=1.0

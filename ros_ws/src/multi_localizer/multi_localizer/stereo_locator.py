@@ -17,7 +17,7 @@ from multi_localizer.voxel_view import ViewCamera, VoxelScene
 
 COARSE, FINE, FINEST = (40, 8), (80, 8), (160, 8)
 """Columns and rows of the views that poses are roughly fitted, fitted and judged by."""
-_LOOSE, _ROUGH_STEPS, _STEPS = 4.0, 4, 6
+_LOOSE, _LESS_LOOSE, _ROUGH_STEPS, _STEPS = 4.0, 2.0, 4, 3
 _SPARE = 3  # so many times the hypotheses that may stay are fitted
 
 
@@ -42,13 +42,14 @@ class StereoLocator:
         poses = self._search.search(views, c.num_refined)
         if not len(poses):
             return judged((), 1.0, c)
-        coarse = targets_of(views, self._cameras, COARSE)
+        coarse = targets_of(views, self._cameras, COARSE, c)
         rough = refine(self._scene, coarse, poses, c, _ROUGH_STEPS, c.fit_color, _LOOSE)
-        finest = targets_of(views, self._cameras, FINEST)
+        finest = targets_of(views, self._cameras, FINEST, c)
         order = np.argsort(judge(self._scene, finest, rough.poses, c), kind="stable")
         best = rough.poses[order[: _SPARE * c.max_hypotheses]]
-        fine = targets_of(views, self._cameras, FINE)
-        fits = refine(self._scene, fine, best, c, _STEPS, c.fit_color)
+        fine = targets_of(views, self._cameras, FINE, c)
+        near = refine(self._scene, fine, best, c, _STEPS, c.fit_color, _LESS_LOOSE)
+        fits = refine(self._scene, fine, near.poses, c, _STEPS, c.fit_color)
         costs = judge(self._scene, finest, fits.poses, c)
         covs = [covariance(c.evidence * h, c) for h in fits.hessians]
         found = hypotheses_of(fits.poses, covs, costs, -c.evidence * costs, c)

@@ -11,7 +11,7 @@ STEP = np.array([0.015, 0.015, 0.012])
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def normal_equations(  # type: ignore[no-untyped-def]
-    start, stop, color, distance, seen_color, seen_inverse, seen_weight, scales, sums
+    start, stop, color, distance, seen_color, seen_inverse, seen_weight, precision, scales, sums
 ):
     """Add the cost, its gradient and Gauss-Newton Hessian of poses `start` to `stop` to `sums`.
 
@@ -23,6 +23,7 @@ def normal_equations(  # type: ignore[no-untyped-def]
         seen_color: Normalized, (h, w, 3).
         seen_inverse: (h, w).
         seen_weight: (h, w).
+        precision: Of the inverse distances, (h, w).
         scales: Of `fit_scales`.
         sums: (N, 10): cost, gradient, upper triangle of the Hessian.
     """
@@ -49,11 +50,12 @@ def normal_equations(  # type: ignore[no-untyped-def]
                     is_smooth = is_smooth and abs(more + less - 2.0 * near[0]) < jump * near[0]
                 if distance_part > 0.0:
                     r = near[0] - seen_inverse[v, u]
-                    q = 1.0 / (1.0 + r * r * scales[3])
+                    sure = precision[v, u] * scales[3]
+                    q = 1.0 / (1.0 + r * r * sure)
                     part = distance_part * seen_weight[v, u]
                     sums[n, 0] += part * (1.0 - q)
                     if is_smooth:
-                        _add(sums[n], J, r, 2.0 * part * scales[3] * q * q)
+                        _add(sums[n], J, r, 2.0 * part * sure * q * q)
                 if color_part > 0.0:
                     _add_color(color[n, :, v, u], seen_color[v, u], color_part, scales[2],
                                is_smooth, Jc, sums[n])  # fmt: skip

@@ -36,12 +36,14 @@ class Target:
         color: Normalized RGB, (h, w, 3), float32.
         inverse: One over the distance, (h, w), float32; 0 where unknown.
         weight: Of the distance, (h, w), float32; 0 where unknown.
+        precision: One over the square of its error that counts as half wrong, (h, w), float32.
     """
 
     camera: ViewCamera
     color: np.ndarray
     inverse: np.ndarray
     weight: np.ndarray
+    precision: np.ndarray
 
     @property
     def size(self) -> tuple[int, int]:
@@ -82,9 +84,14 @@ class Prior:
 
 
 def targets_of(
-    views: Sequence[StereoView | None], cameras: Sequence[ViewCamera], size: tuple[int, int]
-) -> list[Target]:
-    """Return what is compared at a resolution, of those pairs that saw something."""
+    views: Sequence[StereoView | None], cameras: Sequence[ViewCamera], size: tuple[int, int],
+    config: StereoLocalizerConfig,
+) -> list[Target]:  # fmt: skip
+    """Return what is compared at a resolution, of those pairs that saw something.
+
+    Near things show errors of map and pose enlarged: a place off by e at the distance z has an
+    inverse distance off by e / z^2, which stands beside the error of stereo itself.
+    """
     targets = []
     for view, camera in zip(views, cameras, strict=True):
         if view is None:
@@ -92,7 +99,8 @@ def targets_of(
         seen = coarser(view, size)
         inverse = np.nan_to_num(seen.inverse, nan=0.0).astype(np.float32)
         weight = np.where(np.isnan(seen.inverse), 0.0, seen.weight).astype(np.float32)
-        targets.append(Target(camera, normalized(seen.color), inverse, weight))
+        variance = config.inverse_error_per_m**2 + (config.map_error_m * inverse**2) ** 2
+        targets.append(Target(camera, normalized(seen.color), inverse, weight, 1.0 / variance))
     return targets
 
 
@@ -138,11 +146,11 @@ def refine(
 def fit_scales(
     color_share: float, num_targets: int, config: StereoLocalizerConfig, looseness: float
 ) -> np.ndarray:
-    """Return what color and distance count, one over the squares of their errors, looseness."""
+    """Return the parts of color and distance, factors of their precisions, looseness."""
     return np.array([
         color_share / num_targets, (1.0 - color_share) / num_targets,
         1.0 / (looseness * config.color_error) ** 2,
-        1.0 / (looseness * config.inverse_error_per_m) ** 2, max(looseness, 1.0),
+        1.0 / looseness**2, max(looseness, 1.0),
     ])  # fmt: skip
 
 
@@ -178,7 +186,7 @@ def _linearized(
         shape = (num, len(_SIDES), *target.weight.shape)
         scene.share(
             num, normal_equations, color.reshape(*shape, 3), distance.reshape(shape),
-            target.color, target.inverse, target.weight, scales, sums,
+            target.color, target.inverse, target.weight, target.precision, scales, sums,
         )  # fmt: skip
     hessians = np.empty((num, 3, 3))
     rows, columns = np.triu_indices(3)

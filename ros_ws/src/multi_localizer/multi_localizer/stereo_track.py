@@ -95,7 +95,7 @@ class StereoTracker:
         known = np.linalg.inv(np.array([h.estimate.cov for h in moved]))
         prior = Prior(poses, known / (new * c.evidence))
         coarse, fine, finest = (
-            targets_of(views, self._cameras, size) for size in (COARSE, FINE, FINEST)
+            targets_of(views, self._cameras, size, c) for size in (COARSE, FINE, FINEST)
         )
         near = refine(self._scene, coarse, poses, c, _ROUGH_STEPS, c.fit_color, _LOOSE, prior)
         fits = refine(self._scene, fine, near.poses, c, _STEPS, c.fit_color, 1.0, prior)
