@@ -21,7 +21,8 @@ from multi_localizer.pose_estimate import difference
 
 GOAL_MM, GOAL_DEG, GOAL_RATIO, GOAL_CALIBRATED = 10.0, 0.3, 1.2, 1.5
 SURE_SHARE = 0.4
-_PX_PER_M, _EDGE_M = 140.0, 0.1
+_PX_PER_M, _EDGE_M, _LEGEND_PX = 140.0, 0.1, 30
+_BLACK = (0, 0, 0)
 _GREEN, _RED, _BLUE, _WHITE = (60, 160, 60), (40, 40, 230), (230, 120, 30), (245, 245, 245)
 Values = dict[str, Any]
 
@@ -142,7 +143,22 @@ def draw_views(
     """Draw one view of some places with what both fits make of it, into poses.png."""
     fitter = FloorShapeFitter(field.camera, plan)
     tiles = [_tile(field, at[0], plan, fitter) for at in list(views.values())[1:6:2]]
-    cv2.imwrite(str(folder / "poses.png"), np.hstack(tiles))
+    drawn = np.hstack(tiles)
+    cv2.imwrite(str(folder / "poses.png"), np.vstack((drawn, _legend(drawn.shape[1]))))
+
+
+def _legend(width: int) -> np.ndarray:
+    """Return a strip that says what the colors are."""
+    strip = np.full((_LEGEND_PX, width, 3), _WHITE, np.uint8)
+    texts = (
+        (_RED, "published: hull, and where its corners fall"),
+        (_BLUE, "ours: plan's border at the pose found, and where the border seen falls"),
+    )
+    for (color, text), column in zip(texts, (12, 12 + width * 2 // 5), strict=True):
+        cv2.circle(strip, (column, _LEGEND_PX // 2), 5, color, -1, cv2.LINE_AA)
+        at = (column + 12, _LEGEND_PX // 2 + 5)
+        cv2.putText(strip, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.48, _BLACK, 1, cv2.LINE_AA)
+    return strip
 
 
 def _tile(field: FieldCamera, view: View, plan: FloorPlan, fitter: FloorShapeFitter) -> np.ndarray:

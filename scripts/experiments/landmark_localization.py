@@ -24,8 +24,9 @@ from scipy.stats import chi2
 
 from experiments.landmark_faults import drive_rows, drive_table, fault_rows, fault_table
 from experiments.landmark_pictures import draw_errors
+from experiments.landmark_report import noise_table, picture_table
 from experiments.landmark_views_sim import FieldEye, View, measured_bearing_sd
-from floornav_common.reporting import Picture, Progress, Section, Table, UserError
+from floornav_common.reporting import Picture, Progress, Section, UserError
 from floornav_common.se2 import SE2
 from multi_localizer.landmark_circle import circle_fix
 from multi_localizer.landmark_config import LandmarkConfig
@@ -131,9 +132,9 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     return [
         Section(
             "Pictures, 160 x 120, 21 places",
-            [_table(values["methods"]), Picture(path, caption)],
+            [picture_table(values["methods"]), Picture(path, caption)],
         ),
-        Section("Bearings of four posts with noise", [_noise_table(noise)]),
+        Section("Bearings of four posts with noise", [noise_table(noise)]),
         Section("One of the bearings false by 0.03 to 0.5 rad", [fault_table(faults)]),
         Section("The same in short drives, views confirming each other", [drive_table(drives)]),
     ]
@@ -241,45 +242,3 @@ def _seen(pose: SE2, place: np.ndarray) -> np.ndarray:
 def _named(what: str, numbers: np.ndarray) -> dict[str, float]:
     names = (f"{what}_x_mm", f"{what}_y_mm", f"{what}_theta_deg")
     return dict(zip(names, (float(v) for v in numbers), strict=True))
-
-
-def _table(rows: list[dict[str, Any]]) -> Table:
-    header = [
-        "method", "poses", "refused", "mean |x| mm", "|y| mm", "|yaw| deg", "paper x", "y", "yaw",
-        "rms x mm", "y mm", "yaw deg", "NEES", "95 % band",
-    ]  # fmt: skip
-    return Table(header, [
-        [
-            r["method"], r["poses"], r["refused"], *_three(r, "mean"), *_three(r, "paper"),
-            *_three(r, "rms"), _round(r["nees"], 2), _band(r),
-        ]
-        for r in rows
-    ])  # fmt: skip
-
-
-def _noise_table(rows: list[dict[str, Any]]) -> Table:
-    header = [
-        "noise deg", "method", "poses", "refused", "mean |x| mm", "|y| mm", "|yaw| deg",
-        "rms / bound", "NEES", "95 % band",
-    ]  # fmt: skip
-    return Table(header, [
-        [
-            r["noise_deg"], r["method"], r["poses"], r["refused"], *_three(r, "mean"),
-            _round(r["crlb_ratio"], 2), _round(r["nees"], 2), _band(r),
-        ]
-        for r in rows
-    ])  # fmt: skip
-
-
-def _three(row: dict[str, Any], what: str) -> list[float | None]:
-    names = (f"{what}_x_mm", f"{what}_y_mm", f"{what}_theta_deg")
-    digits = (0, 0, 2)
-    return [_round(row[n], d) for n, d in zip(names, digits, strict=True)]
-
-
-def _round(value: float | None, digits: int) -> float | None:
-    return None if value is None or not math.isfinite(value) else round(value, digits)
-
-
-def _band(row: dict[str, Any]) -> str:
-    return "-" if row["nees_band"] is None else "{:.2f} to {:.2f}".format(*row["nees_band"])

@@ -13,6 +13,8 @@ from multi_localizer.landmarks import load_landmarks
 _PX_PER_M = 100.0
 _HALF_M = np.array([4.9, 2.7])
 _LONGER = 20.0
+_LEGEND_PX, _LEGEND_M = 36, 0.05
+_BLACK = (0, 0, 0)
 _GREEN, _WHITE, _RED = (58, 110, 44), (240, 240, 240), (40, 40, 220)
 _GOALS = {"goal_yellow_left": (30, 200, 240), "goal_blue_left": (215, 90, 40)}
 
@@ -35,8 +37,25 @@ def draw_errors(
         cv2.line(picture, _pixel(place), _pixel(end), _RED, 2, cv2.LINE_AA)
     for place in places:
         cv2.circle(picture, _pixel(np.array(place)), 5, _WHITE, -1, cv2.LINE_AA)
-    cv2.imwrite(str(path), picture)
+    cv2.imwrite(str(path), np.vstack((picture, _legend(picture.shape[1]))))
     return path
+
+
+def _legend(width: int) -> np.ndarray:
+    """Return a strip that says what is drawn, with a bar as long as an error of 5 cm."""
+    strip = np.full((_LEGEND_PX, width, 3), 255, dtype=np.uint8)
+    row, bar = _LEGEND_PX // 2, round(_LEGEND_M * _LONGER * _PX_PER_M)
+    cv2.circle(strip, (30, row), 5, _BLACK, 1, cv2.LINE_AA)
+    _write(strip, "a place", 45)
+    cv2.line(strip, (165, row), (165 + bar, row), _RED, 2, cv2.LINE_AA)
+    _write(strip, f"to a pose found there; this long: {100.0 * _LEGEND_M:.0f} cm off", 175 + bar)
+    _write(strip, "blue, yellow: goals", 700)
+    return strip
+
+
+def _write(strip: np.ndarray, text: str, column: int) -> None:
+    at = (column, _LEGEND_PX // 2 + 6)
+    cv2.putText(strip, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.55, _BLACK, 1, cv2.LINE_AA)
 
 
 def _pixel(place: np.ndarray) -> tuple[int, int]:

@@ -86,8 +86,11 @@ class FieldEye:
         return View(bearings, result.mask)
 
 
-def measured_bearing_sd(seed: int, num_views: int = 60) -> float:
-    """Return the deviation of posts' bearings at random poses, rad, as a calibration finds it."""
+def measured_bearing_sd(seed: int, num_views: int = 200) -> float:
+    """Return the deviation of posts' bearings at random poses, rad, as a calibration finds it.
+
+    Of 800 bearings it is known to 2.5 %. It holds that ends of posts are seen 0.1 deg too far out.
+    """
     eye, rng = FieldEye(seed), np.random.default_rng(seed)
     marks, off = load_landmarks("middle_size_field"), []
     for frame in range(1, num_views + 1):
