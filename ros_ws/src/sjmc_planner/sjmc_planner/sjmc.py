@@ -77,6 +77,10 @@ class _Moment:
     free: np.ndarray
     fastest: float
     is_blind: bool
+    now: Foreseen
+    near: np.ndarray
+    people: np.ndarray
+    braked: Foreseen
 
 
 class Sjmc:
@@ -146,7 +150,14 @@ class Sjmc:
         is_blind = bool(scene.ends.unseen(heading, *looked)[0])
         room = min(goal.distance, scene.ends.horizon - self._box.front)
         fastest = min(robot.speed_m_s, stopping_speed(room, robot.accel_m_s2, self._delay))
-        return _Moment(state, goal, scene, is_judged, bearings, free, fastest, is_blind)
+        now = self._foresight.gaps(scene.solids, scene.people)
+        near = self._foresight.within_reach(state.velocity, fastest, scene.solids)
+        people = self._foresight.may_meet(state.velocity, fastest, scene.people)
+        braked = self._foresight.look(state.velocity, 0.0, 0.0, 0.0, near, people)
+        return _Moment(
+            state, goal, scene, is_judged, bearings, free, fastest, is_blind, now, near, people,
+            braked,
+        )  # fmt: skip
 
     def _is_beside(self, course: float, scene: Scene) -> np.ndarray:
         """Tell who is not in D along a course but too near beside it, shape (N,), bool."""
@@ -193,14 +204,17 @@ class Sjmc:
 
     def _around(self, moment: _Moment) -> Decision | None:
         """Return the turning run; None if no course is open."""
+        if not self._is_clear(moment.braked, moment):
+            return None
         order = preferred(moment.bearings, moment.goal.bearing, moment.free, self._side)
         for look in _LOOKS:
             far = min(look * self._config.look_m, self._reach(moment.goal))
             for k in order[moment.free[order] >= far][:_MOST]:
                 course = float(moment.bearings[k])
-                if k != 0 and self._stands_near(course, moment):
+                ahead = self._in_the_way(course, moment)
+                if k != 0 and self._stands_near(ahead):
                     continue
-                bound = min(self._in_the_way(course, moment).bound, self._beside(course, moment))
+                bound = min(ahead.bound, self._beside(course, moment))
                 stop = stopping_speed(moment.free[k], self._robot.accel_m_s2, self._delay)
                 speed, _ = self._safe_speed(course, min(bound, stop), moment)
                 if moment.is_blind and self._unicycle is not None:
@@ -240,26 +254,25 @@ class Sjmc:
             self._minded.add(int(moment.scene.number[who]))
         return bound
 
-    def _stands_near(self, course: float, moment: _Moment) -> bool:
+    def _stands_near(self, ahead: InTheWay) -> bool:
         """Tell whether somebody stands in a course's Danger Zone (3.7)."""
-        ahead = self._in_the_way(course, moment)
         return ahead.who >= 0 and ahead.is_stable and ahead.distance <= self._config.danger_m
 
     def _safe_speed(self, course: float, bound: float, moment: _Moment) -> tuple[float, Foreseen]:
         """Return the most speed from which braking keeps clear, and what is foreseen at it."""
-        most = min(bound, moment.fastest)
-        scene, now = moment.scene, moment.state.velocity
-        for share in _SHARES if most > _SLOW else ():
-            seen = self._foresight.look(
-                now, course, share * most, self._cycle.period, scene.solids, scene.people
-            )
+        most, now = min(bound, moment.fastest), moment.state.velocity
+        around = moment.near, moment.people
+        if most <= _SLOW or not self._is_clear(moment.braked, moment):
+            return 0.0, moment.braked
+        for share in _SHARES:
+            seen = self._foresight.look(now, course, share * most, self._cycle.period, *around)
             if self._is_clear(seen, moment):
                 return share * most, seen
-        return 0.0, self._foresight.look(now, course, 0.0, 0.0, scene.solids, scene.people)
+        return 0.0, moment.braked
 
     def _is_clear(self, seen: Foreseen, moment: _Moment) -> bool:
         """Tell whether a look ahead keeps its distances, or at least what there is of them."""
-        now = self._foresight.gaps(moment.scene.solids, moment.scene.people)
+        now = moment.now
         thing = min(self._robot.margin_m, now.thing_gap - _NO_GAP)
         person = min(self._config.clearance_m, now.people_gap - _KEEP_GAP)
         return seen.thing_gap >= thing and seen.people_gap >= person

@@ -107,17 +107,25 @@ def bystander_in_reach(
     """
     if config.bystander_s == 0.0:
         return math.inf, -1
-    people = scene.people
-    c, s = math.cos(course), math.sin(course)
-    along = c * people[:, 0] + s * people[:, 1] - front - people[:, 4]
-    beside = np.abs(c * people[:, 1] - s * people[:, 0]) - half - people[:, 4]
-    counts = ~scene.is_moving & ~is_known & (along > 0.0)
-    counts &= (beside > 0.0) & (beside < config.bystander_m)
-    if not counts.any():
+    args = course, scene.people, scene.is_moving, is_known, front, half, config.bystander_m
+    along, who = _beside(*args)
+    if who < 0:
         return math.inf, -1
-    who = int(np.argmin(np.where(counts, along, np.inf)))
-    bound = (float(along[who]) - config.danger_m) / config.bystander_s
-    return max(bound, config.bystander_end_m_s), who
+    return max((along - config.danger_m) / config.bystander_s, config.bystander_end_m_s), who
+
+
+@numba.njit(cache=True, nogil=True)
+def _beside(course, people, is_moving, is_known, front, half, reach):  # type: ignore[no-untyped-def]
+    """Return how far ahead the nearest bystander is, and its row; inf and -1 for nobody."""
+    c, s = math.cos(course), math.sin(course)
+    nearest, who = np.inf, -1
+    for i in range(len(people)):
+        x, y, r = people[i, 0], people[i, 1], people[i, 4]
+        along, beside = c * x + s * y - front - r, abs(c * y - s * x) - half - r
+        is_there = along > 0.0 and 0.0 < beside < reach
+        if is_there and not is_moving[i] and not is_known[i] and along < nearest:
+            nearest, who = along, i
+    return nearest, who
 
 
 def _leaves(scene: Scene, course: float) -> np.ndarray:

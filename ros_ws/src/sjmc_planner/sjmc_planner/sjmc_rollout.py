@@ -19,6 +19,7 @@ from sjmc_planner.unicycle_motion import _ahead, _step
 
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _DT = 0.1
+_BEYOND = 0.6  # farther than this from where it may come nothing counts, m
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class Foresight:
         self._box = (box.front, box.rear, box.half_width) if is_box else (0.0, 0.0, 0.0)
         self._air = 0.0 if is_box else robot.radius_m
         self._times = (delay, until)
+        self._size = robot.radius_m
         self._is_omni = robot.drive == "omni"
 
     def look(
@@ -81,6 +83,23 @@ class Foresight:
         here = (0.0, 0.0, 0.0, 0.0, 0.0)
         found = _gaps(here, self._box, 0.0, things, people, np.inf, np.inf, 0.0)
         return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
+
+    def within_reach(self, now: Velocity, fastest: float, things: np.ndarray) -> np.ndarray:
+        """Return the things that braking from a moment's driving may come near, (K, 2)."""
+        reach = self._reach(now, fastest)
+        is_near = things[:, 0] ** 2 + things[:, 1] ** 2 < reach * reach
+        return things[is_near]
+
+    def may_meet(self, now: Velocity, fastest: float, people: np.ndarray) -> np.ndarray:
+        """Return the people who may come near meanwhile and until the end of the look, (K, 5)."""
+        walk = np.sqrt(people[:, 2] ** 2 + people[:, 3] ** 2) * self._times[1]
+        far = np.sqrt(people[:, 0] ** 2 + people[:, 1] ** 2)
+        return people[far < self._reach(now, fastest) + walk + people[:, 4]]
+
+    def _reach(self, now: Velocity, fastest: float) -> float:
+        speed = max(now.speed, fastest)
+        stop = speed * (self._times[0] + _DT + speed / (2.0 * self._limits[0]))
+        return self._size + stop + _BEYOND
 
 
 @numba.njit(cache=True, nogil=True)

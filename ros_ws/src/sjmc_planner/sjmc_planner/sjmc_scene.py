@@ -69,8 +69,7 @@ class SceneReader:
         self._scan: Scan | None = None
         self._beams = np.zeros(0, dtype=np.int64)
         self._widths: dict[int, float] = {}
-        self._kept = np.zeros((0, 2))
-        self._age = np.zeros(0)
+        self._kept = np.zeros((0, 3))
         self._last = np.zeros((0, 2))
 
     def read(self, state: RobotState, obstacles: Obstacles) -> Scene:
@@ -84,19 +83,13 @@ class SceneReader:
         rows = np.column_stack((tracks.position, tracks.velocity, tracks.radius))
         rows[~moves, 2:4] = 0.0
         disks = np.column_stack((tracks.position, tracks.radius + _EDGE))
-        things = self._nearest(ends, tracks, is_person, disks[is_person])
-        solids = self._nearest(ends, tracks, moves, disks[moves])
-        rear = self._remember(state.moved, solids, ends, disks[moves])
+        args = ends.ranges, self._reader.units, tracks.beam_track, is_person, moves, disks
+        things, solids = _things(*args, ends.pose, _BINS)
+        rear = self._remember(state.moved, solids, ends, disks, moves)
         return Scene(
             ends, np.concatenate((things, rear)), np.concatenate((solids, rear)), rows[is_person],
             tracks.number[is_person], moves[is_person],
         )  # fmt: skip
-
-    def _nearest(
-        self, ends: BeamEnds, tracks: Tracks, is_left_out: np.ndarray, disks: np.ndarray
-    ) -> np.ndarray:
-        beams = ends.ranges, tracks.beam_track, is_left_out, ends.angle_min, ends.angle_increment
-        return np.asarray(_things(*beams, ends.pose, disks, np.full(_BINS, np.inf)))
 
     def _with_beams(self, tracks: Tracks, scan: Scan) -> Tracks:
         """Return tracks that know their beams also where the scan is the one of before."""
@@ -121,18 +114,15 @@ class SceneReader:
         return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
 
     def _remember(
-        self, moved: SE2, solids: np.ndarray, ends: BeamEnds, disks: np.ndarray
+        self, moved: SE2, solids: np.ndarray, ends: BeamEnds, disks: np.ndarray, moves: np.ndarray
     ) -> np.ndarray:
-        """Return what has gone out of view beside and behind the robot."""
-        back = moved.inverse()
-        points = np.concatenate((back @ self._last, back @ self._kept))
-        age = np.concatenate((np.zeros(len(self._last)), self._age + self._period))
-        is_kept = (np.hypot(points[:, 0], points[:, 1]) < _KEEP_M) & (age < _KEEP_S)
-        points, age = points[is_kept], age[is_kept]
-        beams = ends.ranges, ends.angle_min, ends.angle_increment
-        is_out = _out_of_view(points, *beams, ends.pose, disks)
-        self._kept, self._age, self._last = points[is_out], age[is_out], solids
-        return self._kept
+        """Return what has gone out of view beside and behind the robot, shape (K, 2), m."""
+        beams = ends.ranges, ends.angle_min, ends.angle_increment, ends.pose
+        self._kept = _gone(
+            self._last, self._kept, moved.x, moved.y, moved.yaw, self._period, *beams, disks, moves
+        )
+        self._last = solids
+        return self._kept[:, :2]
 
 
 @numba.njit(cache=True, nogil=True)
@@ -154,53 +144,64 @@ def _widths(ranges, beam_track, angle_min, step, num):  # type: ignore[no-untype
 
 
 @numba.njit(cache=True, nogil=True)
-def _things(ranges, beam_track, is_left_out, angle_min, step, pose, disks, nearest):  # type: ignore[no-untyped-def]
-    """Return the nearest thing in each direction, in the base frame; `nearest` is scratch."""
-    num_bins, beam = len(nearest), np.full(len(nearest), -1)
-    middle = 0.5 * (len(ranges) - 1)
-    per_bin = max(len(ranges) / (num_bins - 2), 1.0)
+def _things(ranges, units, beam_track, is_person, moves, disks, pose, num_bins):  # type: ignore[no-untyped-def]
+    """Return the nearest in each direction of what is no person, and of what does not walk.
+
+    Both in the base frame, shapes (K, 2) and (L, 2); what is on a person's disk is the person's.
+    """
+    middle, per_bin = 0.5 * (len(ranges) - 1), max(len(ranges) / (num_bins - 2), 1.0)
+    nearest = np.full((2, num_bins), np.inf)
+    off = np.full((2, num_bins), np.inf)
+    ends = np.empty((2, num_bins, 2))
     for i in range(len(ranges)):
-        k = beam_track[i]
-        if not np.isfinite(ranges[i]) or (k >= 0 and is_left_out[k]):
+        r = ranges[i]
+        if not r < np.inf:
             continue
-        b = int(np.rint((i - middle) / per_bin)) + num_bins // 2
-        is_first = ranges[i] == nearest[b] and abs(i - middle) < abs(beam[b] - middle)
-        if ranges[i] < nearest[b] or is_first:
-            x, y = _end(ranges[i], angle_min + step * i, pose)
-            if not _is_on_disk(x, y, disks):
-                nearest[b], beam[b] = ranges[i], i
-    points = np.empty((num_bins, 2))
-    count = 0
-    for b in range(num_bins):
-        if beam[b] >= 0:
-            points[count] = _end(nearest[b], angle_min + step * beam[b], pose)
-            count += 1
-    return points[:count]
+        b, beside = int(np.rint((i - middle) / per_bin)) + num_bins // 2, abs(i - middle)
+        k = beam_track[i]
+        for kind in range(2):
+            is_own = k >= 0 and (moves[k] if kind == 1 else is_person[k])
+            is_next = r < nearest[kind, b] or (r == nearest[kind, b] and beside < off[kind, b])
+            if is_own or not is_next:
+                continue
+            px, py = r * units[i, 0], r * units[i, 1]
+            x = pose[0] + (pose[2] * px - pose[3] * py)
+            y = pose[1] + (pose[3] * px + pose[2] * py)
+            if not _is_on_disk(x, y, disks, moves if kind == 1 else is_person):
+                nearest[kind, b], off[kind, b] = r, beside
+                ends[kind, b, 0], ends[kind, b, 1] = x, y
+    return ends[0][nearest[0] < np.inf], ends[1][nearest[1] < np.inf]
 
 
 @numba.njit(cache=True, nogil=True, inline="always")
-def _end(distance, angle, pose):  # type: ignore[no-untyped-def]
-    px, py = distance * math.cos(angle), distance * math.sin(angle)
-    return pose[0] + (pose[2] * px - pose[3] * py), pose[1] + (pose[3] * px + pose[2] * py)
-
-
-@numba.njit(cache=True, nogil=True, inline="always")
-def _is_on_disk(x, y, disks):  # type: ignore[no-untyped-def]
+def _is_on_disk(x, y, disks, counts):  # type: ignore[no-untyped-def]
     for i in range(len(disks)):
         dx, dy = x - disks[i, 0], y - disks[i, 1]
-        if dx * dx + dy * dy < disks[i, 2] * disks[i, 2]:
+        if counts[i] and dx * dx + dy * dy < disks[i, 2] * disks[i, 2]:
             return True
     return False
 
 
 @numba.njit(cache=True, nogil=True)
-def _out_of_view(points, ranges, angle_min, step, pose, disks):  # type: ignore[no-untyped-def]
-    found = np.zeros(len(points), dtype=np.bool_)
-    for i in range(len(points)):
-        dx, dy = points[i, 0] - pose[0], points[i, 1] - pose[1]
-        angle = math.atan2(dy, dx) - pose[4]
+def _gone(last, kept, x, y, yaw, period, ranges, angle_min, step, pose, disks, moves):  # type: ignore[no-untyped-def]
+    """Return what of the last things and those kept is near and out of view: rows x, y, age."""
+    found = np.empty((len(last) + len(kept), 3))
+    c, s = math.cos(yaw), math.sin(yaw)
+    count = 0
+    for i in range(len(found)):
+        is_new = i < len(last)
+        j = i - len(last)
+        px, py = (last[i, 0], last[i, 1]) if is_new else (kept[j, 0], kept[j, 1])
+        age = 0.0 if is_new else kept[j, 2] + period
+        dx, dy = px - x, py - y
+        qx, qy = c * dx + s * dy, c * dy - s * dx
+        if qx * qx + qy * qy > _KEEP_M * _KEEP_M or age > _KEEP_S:
+            continue
+        angle = math.atan2(qy - pose[1], qx - pose[0]) - pose[4]
         beam = ((angle - angle_min) * (1.0 if step > 0.0 else -1.0)) % (2.0 * math.pi)
         k = int(np.rint(beam / abs(step)))
         is_out = k >= len(ranges) or np.isnan(ranges[k])
-        found[i] = is_out and not _is_on_disk(points[i, 0], points[i, 1], disks)
-    return found
+        if is_out and not _is_on_disk(qx, qy, disks, moves):
+            found[count, 0], found[count, 1], found[count, 2] = qx, qy, age
+            count += 1
+    return found[:count].copy()
