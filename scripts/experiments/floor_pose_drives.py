@@ -129,14 +129,19 @@ def _drive(
                 continue
             picture = field.picture(pose, cubes, int(rng.integers(1 << 30)))
             localizer.take_mask(stamp_ns, field.mask(picture), SE2.identity(), odom)
-            for kind, found in markers.detect(picture, "rgb").items():
-                bearings = np.array([m.bearing for m in found])
-                seen = GoalsSeen(kind, stamp_ns, bearings, SE2.identity())
-                localizer.tracker.see_goals(seen)
+            _see_goals(localizer, markers, picture, stamp_ns)
             moments.append(_moment(localizer, pose))
             pose, odom = _step(pose, odom, plan, rng)
         parts.append(moments)
     return parts
+
+
+def _see_goals(
+    localizer: FloorLocalizer, markers: MarkerDetector, picture: np.ndarray, stamp_ns: int
+) -> None:
+    for kind, found in markers.detect(picture, "rgb").items():
+        bearings = np.array([m.bearing for m in found])
+        localizer.tracker.see_goals(GoalsSeen(kind, stamp_ns, bearings, SE2.identity()))
 
 
 def _moment(localizer: FloorLocalizer, pose: SE2) -> Moment:

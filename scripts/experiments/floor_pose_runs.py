@@ -219,6 +219,15 @@ def border_errors(
             outcomes[name].append(
                 judge(fitter.fit_border(rays_of_pixels(fitter.camera, noisy)), pose)
             )
+    return _ratios(position, outcomes, bounds)
+
+
+def _ratios(
+    position: tuple[int, int],
+    outcomes: dict[str, list[Outcome]],
+    bounds: dict[str, list[np.ndarray]],
+) -> dict[str, Any]:
+    """Return RMS errors of each case beside the root mean square of its bounds, as a row."""
     row: dict[str, Any] = {"x_mm": position[0], "y_mm": position[1]}
     for name in outcomes:
         least = np.sqrt(np.mean(bounds[name.removesuffix("_default")], axis=0))

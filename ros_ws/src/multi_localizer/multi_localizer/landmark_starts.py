@@ -95,6 +95,7 @@ def rough_costs(
     }
     for s in seen:
         x, y = rays[s.kind][..., 0], rays[s.kind][..., 1]
+        # wrap_angle of whole arrays
         off = np.remainder(np.arctan2(y, x) - yaws - s.bearing + math.pi, 2.0 * math.pi) - math.pi
         cost = np.minimum((off / s.bearing_sd) ** 2, limit)
         if s.num_values == 2:

@@ -72,7 +72,7 @@ class FloorReport:
         return Status(OK, "the pose is known", values)
 
     def _values(self) -> dict[str, object]:
-        tracker, fit = self._localizer.tracker, self._localizer.newest
+        tracker = self._localizer.tracker
         values: dict[str, object] = {
             "state": tracker.state.value,
             "masks": self._num_masks,
@@ -93,6 +93,14 @@ class FloorReport:
             values["deviation x, y (mm), yaw (deg)"] = (
                 f"{1e3 * x:.1f}, {1e3 * y:.1f}, {math.degrees(yaw):.2f}"
             )
+        values.update(self._newest_values())
+        values.update({f"{kind} seen": num for kind, num in self._goals.items()})
+        return values
+
+    def _newest_values(self) -> dict[str, object]:
+        """Return what the newest mask fits."""
+        fit = self._localizer.newest
+        values: dict[str, object] = {}
         if fit is not None:
             values["border pixels on walls"] = fit.num_points
             values["residual (px)"] = f"{fit.residual_px:.2f}"
@@ -100,5 +108,4 @@ class FloorReport:
             values["border inside the walls (px)"] = f"{fit.offset_px:.2f}"
         if self._localizer.size_doubt:
             values["size of the masks"] = self._localizer.size_doubt
-        values.update({f"{kind} seen": num for kind, num in self._goals.items()})
         return values
