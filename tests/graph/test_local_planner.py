@@ -32,7 +32,9 @@ EVENTUALLY_S = 60.0  # what must come at last, on a slow and busy machine too
 class Robot:
     """Stands at the origin of `odom` and says what a robot says, on the clock of this machine."""
 
-    def __init__(self, peer: Any, node: Any, command: type = Twist, clock: Any = None) -> None:
+    def __init__(
+        self, peer: Any, node: Any, command: type = Twist, clock: Any = None, scan: str = "scan"
+    ) -> None:
         from tf2_msgs.msg import TFMessage
 
         from floornav_common.ros.qos import RELIABLE_QOS
@@ -44,7 +46,7 @@ class Robot:
         statics = peer.publisher(TFMessage, "/tf_static", LATCHED, to=node)
         statics.publish(tf_of("base_link", "laser", 0, 0.0))
         self._tf = peer.publisher(TFMessage, "/tf", 10, to=node)
-        self._scan = peer.publisher(LaserScan, "scan", RELIABLE_QOS, to=node)
+        self._scan = peer.publisher(LaserScan, scan, RELIABLE_QOS, to=node)
         self._odom = peer.publisher(Odometry, "odom", RELIABLE_QOS, to=node)
         self.silent: set[str] = set()
         self.ranges = np.full(NUM_BEAMS, np.inf)
