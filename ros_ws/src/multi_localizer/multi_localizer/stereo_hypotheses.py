@@ -69,14 +69,15 @@ def judged(
 
     Args:
         hypotheses: The likeliest first.
-        known: The greatest cost that there can be, see `stereo_judge.known_part`.
+        known: Share of the pixels whose distance is known.
         config: What is lost and what is settled.
     """
     if not hypotheses:
         return StereoPose(StereoState.LOST, (), "no place in the map is free")
     if known < config.least_seen:
         return StereoPose(StereoState.LOST, hypotheses, "the cameras see too little")
-    wrong = min(h.score for h in hypotheses) / known
+    most = config.judge_color + (1.0 - config.judge_color) * known  # a cost can be no greater
+    wrong = min(h.score for h in hypotheses) / most
     if wrong > config.lost_cost:
         text = f"the views fit nowhere: {wrong:.0%} of them is wrong at the best pose"
         return StereoPose(StereoState.LOST, hypotheses, text)

@@ -15,15 +15,18 @@ from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_refine import Target, fit_scales
 from multi_localizer.voxel_view import VoxelScene
 
+_RAYS = (2, 3)
+"""Columns and rows of rays that a pixel takes the mean of, as what was seen is a mean."""
+
 
 def judge(
     scene: VoxelScene, targets: Sequence[Target], poses: np.ndarray, config: StereoLocalizerConfig
 ) -> np.ndarray:
-    """Return the mean cost of a pixel at each pose, (N,), 0 to what `known_part` says."""
+    """Return the mean cost of a pixel at each pose, (N,), 0 to 1."""
     costs = np.zeros(len(poses))
     scales = fit_scales(config.judge_color, len(targets), config, 1.0)
     for target in targets:
-        color, distance = scene.render(poses, target.camera, target.size)
+        color, distance = scene.render(poses, target.camera, target.size, _RAYS)
         _add_costs(
             color,
             distance,
@@ -37,10 +40,9 @@ def judge(
     return costs
 
 
-def known_part(targets: Sequence[Target], color_share: float) -> float:
-    """Return the greatest cost that there can be: 1 where every distance is known."""
-    seen = sum(float(t.weight.mean()) for t in targets) / max(len(targets), 1)
-    return color_share + (1.0 - color_share) * seen
+def known_part(targets: Sequence[Target]) -> float:
+    """Return the share of the pixels whose distance is known, 0 to 1."""
+    return sum(float(t.weight.mean()) for t in targets) / max(len(targets), 1)
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)

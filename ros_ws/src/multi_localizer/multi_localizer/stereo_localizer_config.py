@@ -99,7 +99,7 @@ class StereoLocalizerConfig:
         0.4, "ours: where more of the views is wrong, of 1, the robot is not there.", gt=0.0, le=1.0
     )
     least_seen: float = param(
-        0.1, "ours: views of which less is known, of 1, say nothing.", ge=0.0, le=1.0
+        0.1, "ours: views with distances in a smaller part, of 1, say nothing.", ge=0.0, le=1.0
     )
     lost_after_s: float = param(
         1.0, "ours: a robot whose views fit nowhere near is lost after this time.", unit="s", ge=0.0

@@ -15,8 +15,8 @@ from multi_localizer.stereo_search_all import SearchAll
 from multi_localizer.stereo_view import StereoView
 from multi_localizer.voxel_view import ViewCamera, VoxelScene
 
-COARSE, FINE, FINEST = (40, 8), (80, 8), (160, 8)
-"""Columns and rows of the views that poses are roughly fitted, fitted and judged by."""
+COARSE, FINE = (40, 8), (80, 8)
+"""Columns and rows of the views that poses are roughly fitted by, and fitted and judged."""
 _LOOSE, _LESS_LOOSE, _ROUGH_STEPS, _STEPS = 4.0, 2.0, 4, 3
 _SPARE = 3  # so many times the hypotheses that may stay are fitted
 
@@ -44,13 +44,12 @@ class StereoLocator:
             return judged((), 1.0, c)
         coarse = targets_of(views, self._cameras, COARSE, c)
         rough = refine(self._scene, coarse, poses, c, _ROUGH_STEPS, c.fit_color, _LOOSE)
-        finest = targets_of(views, self._cameras, FINEST, c)
-        order = np.argsort(judge(self._scene, finest, rough.poses, c), kind="stable")
-        best = rough.poses[order[: _SPARE * c.max_hypotheses]]
         fine = targets_of(views, self._cameras, FINE, c)
+        order = np.argsort(judge(self._scene, fine, rough.poses, c), kind="stable")
+        best = rough.poses[order[: _SPARE * c.max_hypotheses]]
         near = refine(self._scene, fine, best, c, _STEPS, c.fit_color, _LESS_LOOSE)
         fits = refine(self._scene, fine, near.poses, c, _STEPS, c.fit_color)
-        costs = judge(self._scene, finest, fits.poses, c)
+        costs = judge(self._scene, fine, fits.poses, c)
         covs = [covariance(c.evidence * h, c) for h in fits.hessians]
         found = hypotheses_of(fits.poses, covs, costs, -c.evidence * costs, c)
-        return judged(found, known_part(finest, c.judge_color), c)
+        return judged(found, known_part(fine), c)

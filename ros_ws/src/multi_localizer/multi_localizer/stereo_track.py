@@ -20,7 +20,7 @@ from multi_localizer.pose_estimate import propagate
 from multi_localizer.stereo_hypotheses import covariance, hypotheses_of, judged
 from multi_localizer.stereo_judge import judge, known_part
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
-from multi_localizer.stereo_locator import COARSE, FINE, FINEST
+from multi_localizer.stereo_locator import COARSE, FINE
 from multi_localizer.stereo_pose import StereoHypothesis, StereoPose, StereoState
 from multi_localizer.stereo_refine import Prior, refine, targets_of
 from multi_localizer.stereo_view import StereoView
@@ -94,19 +94,17 @@ class StereoTracker:
         poses = np.array([h.estimate.pose.as_array() for h in moved])
         known = np.linalg.inv(np.array([h.estimate.cov for h in moved]))
         prior = Prior(poses, known / (new * c.evidence))
-        coarse, fine, finest = (
-            targets_of(views, self._cameras, size, c) for size in (COARSE, FINE, FINEST)
-        )
+        coarse, fine = (targets_of(views, self._cameras, size, c) for size in (COARSE, FINE))
         near = refine(self._scene, coarse, poses, c, _ROUGH_STEPS, c.fit_color, _LOOSE, prior)
         fits = refine(self._scene, fine, near.poses, c, _STEPS, c.fit_color, 1.0, prior)
-        costs = judge(self._scene, finest, fits.poses, c)
+        costs = judge(self._scene, fine, fits.poses, c)
         covs = [
             covariance(k + new * c.evidence * h, c)
             for k, h in zip(known, fits.hessians, strict=True)
         ]
         shares = np.log(np.maximum([h.share for h in moved], c.least_share))
         found = hypotheses_of(fits.poses, covs, costs, shares - new * c.evidence * costs, c)
-        return judged(found, known_part(finest, c.judge_color), c)
+        return judged(found, known_part(fine), c)
 
 
 def newness(motion: SE2, config: StereoLocalizerConfig) -> float:
