@@ -10,8 +10,10 @@ from team_builders import GOALS, SIX, TRIANGLE, bearing, team, wrapped
 
 from floornav_common.se2 import SE2
 from multi_localizer.pose_estimate import PoseEstimate, normalized_error
+from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_solver import solve_team
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution
+from multi_localizer.team_warm_up import warm_up
 
 TOL_M = 0.15
 
@@ -190,3 +192,11 @@ def test_rough_pose_from_the_same_landmarks_is_not_counted_twice() -> None:
     once = solve_team([replace(view, rough_from_landmarks=True)], marks).estimates["r0"]
     assert np.trace(once.cov) > 10.0 * np.trace(twice.cov)
     assert np.allclose(wrapped(once.pose.yaw - pose[2]), 0.0, atol=1e-3)
+
+
+def test_robots_of_which_nothing_is_known_end_the_solver_in_words_not_in_an_error() -> None:
+    warm_up(TeamConfig())  # one of its two teams has a single rough pose and no landmark
+    poses = np.array([[0.0, 0.0, 0.0], [3.0, 0.5, 0.0], [1.0, 2.5, 0.0], [2.5, 3.5, 0.0]])
+    views, _ = team(poses, noise=0.0, landmarks={})
+    views = [views[0], *(replace(view, rough=None) for view in views[1:])]
+    assert "no pose of" in solve_team(views, {}).unobservable

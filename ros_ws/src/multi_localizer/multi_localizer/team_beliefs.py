@@ -84,7 +84,7 @@ def _sum_claims(
                 claims[candidates[i, j, c]] += odds[i, j, c]
 
 
-@numba.njit(cache=True, fastmath=True)
+@numba.njit(cache=True)
 def _say_odds(
     likelihoods: np.ndarray, free_i: np.ndarray, free_j: np.ndarray, num_i: int, num_j: int,
     odds_i: np.ndarray, odds_j: np.ndarray, sums: np.ndarray,

@@ -18,6 +18,7 @@ from multi_localizer.team_problem import TeamProblem
 
 _WEAK = 1e-6  # 1 / m^2: a kilometer
 _WEAK_YAW = 1e-4  # 1 / rad^2
+_LONGEST = 3.0  # m and rad: one step of a fit that is not gone to its end
 _STOP = 3e-4  # m and rad: a step as short ends the iteration
 
 
@@ -70,7 +71,7 @@ def step_poses(
 ) -> TeamFit:  # fmt: skip
     """Go one step of Gauss and Newton towards the fit; arguments as in `fit_poses`.
 
-    The covariance is that of the poses the step started from.
+    It is no longer than a few meters. The covariance is that of the poses it started from.
     """
     x, cov, cost = step(
         poses, problem.start, problem.bearings, problem.var, seen,
@@ -95,7 +96,8 @@ def step(
         mark_seen, prior, prior_info, prior_weight, limit,
     )  # fmt: skip
     cov = inverse(H, L)
-    return moved(poses, solve_cholesky(L, -g)), cov, cost
+    way = np.minimum(np.maximum(solve_cholesky(L, -g), -_LONGEST), _LONGEST)
+    return moved(poses, way), cov, cost
 
 
 @numba.njit(cache=True)

@@ -195,5 +195,5 @@ def weigh_pair(
             if v1 != last1 or v2 != last2:  # most bearings are alike
                 last1, last2, inverse = v1, v2, 1.0 / max(v1 * v2 - s12 * s12, _TINY * _TINY)
                 scale = both * np.sqrt(inverse)
-            squared = (v2 * e * e - 2.0 * s12 * e * f + v1 * f * f) * inverse
+            squared = max((v2 * e * e - 2.0 * s12 * e * f + v1 * f * f) * inverse, 0.0)
             into[c, d] = scale * np.exp(-0.5 * squared) if squared < _NEVER else 0.0
