@@ -24,7 +24,7 @@ def draw_scene(path: Path, scene: Scene, outcomes: Mapping[str, Outcome]) -> Non
     import matplotlib.pyplot as plt
 
     rows = -(-len(outcomes) // _COLUMNS)
-    low, high = _extent(scene)
+    low, high = _extent(scene, outcomes)
     height = 5.0 * (high[1] - low[1]) / (high[0] - low[0]) + 0.4
     figure, all_axes = plt.subplots(
         rows, _COLUMNS, figsize=(5.0 * _COLUMNS, height * rows), squeeze=False, layout="constrained"
@@ -62,10 +62,11 @@ def _circle(middle: np.ndarray, radius: float):  # type: ignore[no-untyped-def]
     return Circle(tuple(middle), radius, color="tab:orange", alpha=0.5)
 
 
-def _extent(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lower and the upper corner of what is shown: the drive and 2.5 m round it."""
+def _extent(scene: Scene, outcomes: Mapping[str, Outcome]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower and the upper corner of what is shown: all drives and 1.5 m round them."""
     ends = np.array([scene.world.robots[0].position_m, scene.goal])
-    return ends.min(axis=0) - 2.5, ends.max(axis=0) + 2.5
+    places = np.concatenate([ends, *(o.track[:, :2] for o in outcomes.values())])
+    return places.min(axis=0) - 1.5, places.max(axis=0) + 1.5
 
 
 def _words(outcome: Outcome) -> str:
