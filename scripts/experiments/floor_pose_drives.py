@@ -103,12 +103,9 @@ def _times(seconds: list[float | None]) -> dict[str, float | None]:
 
 
 def _drive(
-    field: FieldCamera,
-    camera: FloorCamera,
-    plan: FloorPlan,
-    rng: np.random.Generator,
+    field: FieldCamera, camera: FloorCamera, plan: FloorPlan, rng: np.random.Generator,
     scanner: BorderScanner,
-) -> list[list[Moment]]:
+) -> list[list[Moment]]:  # fmt: skip
     """Return the moments before and after the robot is carried away."""
 
     def make(c: FloorCamera, p: FloorPlan, config: FloorFitConfig) -> FloorShapeFitter:

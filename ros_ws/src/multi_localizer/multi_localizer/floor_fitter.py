@@ -4,8 +4,9 @@ Beyond the floor paper's section 4: every piece of border that is seen is a meas
 the hull's corners, each with its own noise in both directions of the image; a piece belongs to the
 wall that its bearing meets first, so that hidden corners mislead nobody; what lies nearer than the
 walls is an obstacle's and does not count; the border as a whole may lie some part of a pixel inside
-or outside (pixels that are part wall), and every wall a little by itself. The published steps 1 to
-5 say where to begin; if that leads nowhere the whole plan is searched.
+or outside (pixels that are part wall), and every wall a little by itself. Without a guess that
+leads to a good fit the whole plan is searched (the published start, moments of the region, needs a
+region seen whole); few pieces of border are fitted from the likeliest places, all from the best.
 """
 
 from __future__ import annotations
