@@ -106,7 +106,7 @@ class Sjmc:
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
         self._side = 0
         self._behind = 0.0
-        self._minded: set[int] = set()
+        self._has_minded = False
 
     def decide(
         self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
@@ -116,19 +116,21 @@ class Sjmc:
         self._note_way(state)
         if goal.distance <= self._cycle.goal_tolerance:  # end
             return Decision(STILL, REACHED)
-        self._patience.mind(self._minded)
-        self._minded = set()
+        self._patience.mind(self._has_minded)
+        self._has_minded = False
         is_judged = self._patience.begin(scene, goal.bearing)
         moment = self._moment(state, goal, scene, is_judged)
         ahead = self._in_the_way(goal.bearing, moment)
-        if ahead.is_stable and self._is_not_yielding(ahead):
+        if self._is_not_yielding(ahead, scene):
             self._patience.judge(int(scene.number[ahead.who]))
             is_judged[ahead.who] = True
             moment = self._moment(state, goal, scene, is_judged)
         decision = self._on_course(moment) or self._around(moment) or self._stuck(moment)
         return self._with_debug(decision, moment) if has_debug else decision
 
-    def _is_not_yielding(self, ahead: InTheWay) -> bool:
+    def _is_not_yielding(self, ahead: InTheWay, scene: Scene) -> bool:
+        if ahead.who < 0 or scene.is_moving[ahead.who]:
+            return False
         config = self._config
         return ahead.distance <= config.danger_m or ahead.bound <= config.end_m_s
 
@@ -249,9 +251,9 @@ class Sjmc:
         """Return how fast it may come up to who stands beside a course, m/s."""
         known = self._patience.known(moment.scene)
         args = moment.scene, known, self._box.front, self._half, self._config
-        bound, who = bystander_in_reach(course, *args)
+        bound, _ = bystander_in_reach(course, *args)
         if bound < moment.fastest:
-            self._minded.add(int(moment.scene.number[who]))
+            self._has_minded = True
         return bound
 
     def _stands_near(self, ahead: InTheWay) -> bool:

@@ -47,7 +47,8 @@ class SjmcConfig:
         le=60.0,
     )  # fmt: skip
     bystander_patience_s: float = param(
-        9.0, "For so long; who has not stepped in by then is not minded.", unit="s", ge=0.0,
+        9.0, "For so long in all, of which a tenth of the time without is regained; then it does "
+        "not mind them.", unit="s", ge=0.0,
         le=60.0,
     )  # fmt: skip
     person_width_m: float = param(

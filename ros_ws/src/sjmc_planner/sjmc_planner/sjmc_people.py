@@ -20,6 +20,7 @@ from sjmc_planner.sjmc_speed import avoid_time, aware_time, stable_bound, unstab
 _LEAVES_S = 4.0  # who takes longer to leave D does not leave it
 _YIELDS = 0.3  # m/s: who was judged and goes this fast is given another chance
 _LEAVING = 0.2  # m/s
+_REGAIN = 0.1  # of the time without: regained of what bystanders took
 _RESTS_S = 1.0  # without being in the way: patience is whole again
 
 
@@ -75,7 +76,7 @@ def _in_the_way(course, people, is_moving, is_judged, front, half, zones):  # ty
         way_out = edge - across if outward > 0.0 else edge + across
         t_avoid = avoid_time(way_out, abs(outward))
         is_stable = not is_moving[i] or t_avoid > _LEAVES_S
-        if is_judged[i] and is_stable:
+        if is_judged[i] and not is_moving[i]:
             continue  # stands for a thing
         if is_stable:
             t_avoid = (edge - abs(across)) / side_speed
@@ -97,7 +98,7 @@ def bystander_in_reach(
     Args:
         course: Bearing, rad.
         scene: Surroundings.
-        is_known: Who stood there long enough not to be minded, shape (N,), bool.
+        is_known: Who is not minded, shape (N,), bool.
         front: How far the robot reaches ahead of its base, m.
         half: Half of the width of D, m.
         config: `bystander_*`.
@@ -149,7 +150,8 @@ class Patience:
         self._waited: dict[int, float] = {}
         self._free: dict[int, float] = {}
         self._judged: set[int] = set()
-        self._minded: dict[int, float] = {}
+        self._harmless: set[int] = set()
+        self._spent = 0.0
 
     def begin(self, scene: Scene, course: float) -> np.ndarray:
         """Return who is judged not to yield, shape (N,), bool, in a new scene."""
@@ -161,20 +163,21 @@ class Patience:
             self._free[number] = self._free.get(number, 0.0) + self._period
             if number not in known or self._free[number] > _RESTS_S:
                 del self._waited[number], self._free[number]
-        self._minded = {n: t for n, t in self._minded.items() if n in known and n not in moving}
-        for number in scene.number[_leaves(scene, course)].tolist():
-            self._minded[number] = self._config.bystander_patience_s  # does not step in again
+        leaving = set(scene.number[_leaves(scene, course)].tolist())
+        self._harmless = ((self._harmless & known) - moving) | leaving
         return np.array([n in self._judged for n in scene.number.tolist()], dtype=bool)
 
     def known(self, scene: Scene) -> np.ndarray:
-        """Return who stood beside the way long enough not to be minded, shape (N,), bool."""
-        longest = self._config.bystander_patience_s
-        return np.array([self._minded.get(n, 0.0) >= longest for n in scene.number.tolist()], bool)
+        """Return who stands beside the way and is not minded, shape (N,), bool."""
+        if self._spent >= self._config.bystander_patience_s:
+            return np.ones(len(scene.number), dtype=bool)
+        return np.array([n in self._harmless or n in self._judged for n in scene.number.tolist()],
+                        dtype=bool)  # fmt: skip
 
-    def mind(self, numbers: set[int]) -> None:
-        """Come up slowly to bystanders for one period more."""
-        for number in numbers:
-            self._minded[number] = self._minded.get(number, 0.0) + self._period
+    def mind(self, has_minded: bool) -> None:
+        """Take note whether it came up slowly to a bystander for one period."""
+        change = self._period if has_minded else -_REGAIN * self._period
+        self._spent = min(max(self._spent + change, 0.0), 2.0 * self._config.bystander_patience_s)
 
     def judge(self, number: int) -> None:
         """Expect no more of a person."""

@@ -1,0 +1,104 @@
+"""SJMC with tracks: who is waited for, who is gone around, and how fast."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sjmc_scenes import CONFIG, PERIOD, ROBOT, goal_at, watched
+
+from sjmc_planner.methods import make_method
+from sjmc_planner.planning import DRIVING, STILL, TURNING, WAITING, Velocity
+from sjmc_planner.sjmc_speed import aware_time, stable_bound
+
+FAR = goal_at(12.0, 0.0)
+SJMC = CONFIG.sjmc
+HALF = ROBOT.half_width_m + ROBOT.margin_m
+TRACKED_M = 0.1  # by how much a tracked place or radius may be off
+
+
+def sjmc():
+    return make_method(CONFIG)
+
+
+@settings(max_examples=25, deadline=None)
+@given(x=st.floats(1.4, 4.0), y=st.floats(-0.2, 0.2))
+def test_towards_who_stands_it_is_never_faster_than_the_model(x: float, y: float) -> None:
+    decision = watched(sjmc(), [(x, y, 0.2)], FAR)
+    distance = x - ROBOT.front_m - 0.2
+    t_aware = aware_time(distance, SJMC.caution_m, SJMC.aware_s)
+    t_avoid = max(HALF + 0.2 - abs(y) - TRACKED_M, 0.01) / SJMC.side_speed_m_s
+    bound = stable_bound(distance + TRACKED_M, SJMC.danger_m, 0.0, t_aware, t_avoid)
+    is_ahead = decision.state == DRIVING
+    assert not is_ahead or decision.command.x <= bound + 1e-6
+    assert decision.command.x <= ROBOT.speed_m_s + 1e-9
+
+
+def test_far_from_who_stands_it_goes_straight_on_for_them_to_step_aside() -> None:
+    decision = watched(sjmc(), [(3.5, 0.0, 0.2)], FAR)
+    assert decision.state == DRIVING and abs(decision.command.yaw_rate) < 1e-6
+    assert decision.command.x > 0.3
+
+
+def test_who_stands_and_is_near_is_gone_around() -> None:
+    decision = watched(sjmc(), [(1.5, 0.1, 0.2)], FAR)
+    assert decision.state == TURNING and "does not yield" in decision.reason
+    assert decision.command.yaw_rate < 0.0  # the person is to the left
+
+
+def test_a_wide_thing_is_gone_around_and_not_waited_for() -> None:
+    decision = watched(sjmc(), [(2.4, 0.1, 0.5)], FAR)
+    assert decision.state == TURNING and decision.reason == "around a thing"
+
+
+def test_who_walks_across_is_waited_for_and_the_reason_says_how_long() -> None:
+    decision = watched(sjmc(), [(1.3, 0.5, 0.2, 0.0, -0.8)], FAR, num=16)
+    assert decision.state == WAITING and decision.command == STILL
+    assert decision.reason.startswith("waiting for a person, 0.")
+
+
+def test_beside_who_stands_it_slows_down() -> None:
+    free = watched(sjmc(), [(2.0, 2.2, 0.2)], FAR).command.x
+    beside = watched(sjmc(), [(2.0, 0.9, 0.2)], FAR)
+    assert free == pytest.approx(ROBOT.speed_m_s) and beside.command.x < 0.7 * free
+    assert beside.reason == "slower for a person"
+
+
+def test_a_mirrored_scene_has_the_mirrored_command() -> None:
+    disks = [(1.6, 0.15, 0.2, 0.0, 0.0), (2.5, -0.9, 0.5, 0.0, 0.0), (3.0, 1.0, 0.2, -0.2, -0.7)]
+    flipped = [(x, -y, r, vx, -vy) for x, y, r, vx, vy in disks]
+    one = watched(sjmc(), disks, goal_at(6.0, 0.5))
+    other = watched(sjmc(), flipped, goal_at(6.0, -0.5))
+    assert one.state == other.state and one.reason == other.reason
+    assert one.command.x == pytest.approx(other.command.x, abs=1e-6)
+    assert one.command.yaw_rate == pytest.approx(-other.command.yaw_rate, abs=1e-6)
+
+
+def test_it_backs_only_on_the_way_that_it_came() -> None:
+    """Somebody walks at it from ahead; only who has driven may back."""
+    walker = [(1.4, 0.5, 0.2, -0.9, -0.35)]
+    stood = watched(sjmc(), walker, FAR, num=14)
+    assert stood.command.x >= 0.0
+    never = replace(CONFIG, sjmc=replace(SJMC, backs_off_m=0.0))
+    came = watched(make_method(never), walker, FAR, velocity=Velocity(0.2, 0.0, 0.0), num=14)
+    assert came.command.x >= 0.0
+
+
+def test_debug_names_the_courses_and_the_one_taken() -> None:
+    debug = watched(sjmc(), [(2.4, 0.1, 0.5)], FAR, has_debug=True).debug
+    assert debug is not None and len(debug.candidates) == len(debug.times)
+    assert debug.times[0] < debug.times.max() and 0 <= debug.chosen < len(debug.times)
+    assert np.abs(debug.grown[:, 1]).max() == pytest.approx(HALF)
+
+
+def test_patience_with_one_person_ends() -> None:
+    """Somebody who paces in the way is waited for, then taken as in the way for good."""
+    method, states = sjmc(), []
+    for k in range(round(6.0 / PERIOD)):
+        y = 0.25 * math.sin(2.0 * math.pi * k * PERIOD / 2.5)
+        states.append(watched(method, [(1.15, y, 0.2)], FAR, num=1).state)
+    assert WAITING in states and states[-1] != WAITING

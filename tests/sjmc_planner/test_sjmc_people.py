@@ -1,0 +1,134 @@
+"""Who sets the speed along a course, and how long they are waited for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from sjmc_planner.beam_ends import BeamReader
+from sjmc_planner.planning import Obstacles
+from sjmc_planner.sjmc_config import SjmcConfig
+from sjmc_planner.sjmc_people import Patience, bystander_in_reach, people_in_the_way
+from sjmc_planner.sjmc_scene import Scene
+
+FRONT, HALF, RADIUS = 0.2, 0.35, 0.25
+CONFIG = SjmcConfig(danger_m=1.0, caution_m=4.0, aware_s=1.0, side_speed_m_s=0.5)
+
+
+def scene_of(*people: tuple[float, float, float, float]) -> Scene:
+    """Return a scene with nothing but people: x, y, vx, vy."""
+    rows = np.array([(*person, RADIUS) for person in people]).reshape(-1, 5)
+    scan = Scan(np.full(8, np.inf), -math.pi, math.pi / 4.0, 0.05, 6.0)
+    ends = BeamReader(0.1).read(Obstacles(scan, SE2.identity()))
+    none = np.zeros((0, 2))
+    is_moving = np.hypot(rows[:, 2], rows[:, 3]) > 0.1
+    return Scene(ends, none, none, rows, np.arange(len(rows)) + 7, is_moving)
+
+
+def in_the_way(scene: Scene, course: float = 0.0, judged: tuple[int, ...] = ()):
+    is_judged = np.isin(np.arange(len(scene.people)), judged)
+    return people_in_the_way(course, scene, is_judged, FRONT, HALF, CONFIG)
+
+
+def test_who_stands_in_the_way_sets_the_speed_by_eq_3_5() -> None:
+    """2.45 m ahead: 2 m from front to body; t_aware 0.5 s, 0.6 m to the edge at 0.5 m/s."""
+    ahead = in_the_way(scene_of((2.45, 0.0, 0.0, 0.0)))
+    assert (ahead.who, ahead.is_stable) == (0, True)
+    assert ahead.distance == pytest.approx(2.0)
+    assert ahead.bound == pytest.approx(1.0 / (0.5 + 1.2))
+
+
+def test_who_walks_out_of_the_way_sets_the_speed_by_eq_3_7() -> None:
+    """0.1 m left of the middle, to the left at 0.5 m/s: 0.5 m to the edge, 1 s; 0.3 m/s nearer."""
+    ahead = in_the_way(scene_of((2.45, 0.1, -0.3, 0.5)))
+    assert (ahead.who, ahead.is_stable) == (0, False)
+    assert ahead.bound == pytest.approx(1.0 / 1.0 - 0.3)
+
+
+def test_who_walks_across_has_the_whole_way_to_go() -> None:
+    ahead = in_the_way(scene_of((2.45, 0.1, 0.0, -0.5)))
+    assert ahead.bound == pytest.approx(1.0 / (0.7 / 0.5))
+
+
+def test_nobody_in_the_strip_is_nobody_in_the_way() -> None:
+    scene = scene_of((2.0, 0.61, 0.0, 0.0), (-1.0, 0.0, 0.0, 0.0), (4.6, 0.0, 0.0, 0.0))
+    assert in_the_way(scene).who == -1 and in_the_way(scene).bound == math.inf
+    assert in_the_way(scene, course=math.atan2(0.61, 2.0)).who == 0
+
+
+def test_of_several_the_one_that_allows_least_counts() -> None:
+    ahead = in_the_way(scene_of((3.5, 0.0, 0.0, 0.0), (2.0, 0.1, 0.0, 0.0)))
+    assert ahead.who == 1
+
+
+def test_who_is_judged_stands_for_a_thing_until_they_walk() -> None:
+    assert in_the_way(scene_of((2.0, 0.0, 0.0, 0.0)), judged=(0,)).who == -1
+    assert in_the_way(scene_of((2.0, 0.0, 0.0, 0.5)), judged=(0,)).who == 0
+
+
+def test_a_mirrored_person_allows_the_same() -> None:
+    left = in_the_way(scene_of((2.2, 0.2, -0.3, 0.4)), course=0.1)
+    right = in_the_way(scene_of((2.2, -0.2, -0.3, -0.4)), course=-0.1)
+    assert left == right
+
+
+def test_a_bystander_is_come_up_to_slowly_and_others_are_not_minded() -> None:
+    """2 m ahead of the front, 0.2 m beside the strip: (2 - 1) m in 1.6 s."""
+    known = np.zeros(1, bool)
+    args = known, FRONT, HALF, CONFIG
+    speed, who = bystander_in_reach(0.0, scene_of((2.45, 0.8, 0.0, 0.0)), *args)
+    assert (speed, who) == (pytest.approx(1.0 / 1.6), 0)
+    for person in ((2.45, 0.0, 0.0, 0.0), (2.45, 1.6, 0.0, 0.0), (2.45, 0.8, 0.5, 0.0)):
+        assert bystander_in_reach(0.0, scene_of(person), *args) == (math.inf, -1)
+    close = bystander_in_reach(0.0, scene_of((0.6, 0.8, 0.0, 0.0)), *args)
+    assert close == (CONFIG.bystander_end_m_s, 0)
+
+
+def test_patience_with_one_ends_and_is_whole_again_after_a_rest() -> None:
+    patience, scene = Patience(SjmcConfig(patience_s=0.3), 0.1), scene_of((2.0, 0.0, 0.0, 0.0))
+    waited = []
+    for _ in range(3):
+        patience.begin(scene, 0.0)
+        waited.append(patience.wait(7))
+    assert waited == pytest.approx([0.1, 0.2, 0.3])
+    assert patience.is_out(waited[-1]) and not patience.is_out(waited[-2])
+    for _ in range(12):
+        patience.begin(scene, 0.0)
+    assert patience.wait(7) == pytest.approx(0.1)
+
+
+def test_a_judgment_holds_until_the_person_walks_or_is_gone() -> None:
+    patience = Patience(CONFIG, 0.1)
+    standing, walking = scene_of((2.0, 0.0, 0.0, 0.0)), scene_of((2.0, 0.0, 0.0, 0.6))
+    patience.begin(standing, 0.0)
+    patience.judge(7)
+    assert patience.begin(standing, 0.0).tolist() == [True]
+    assert patience.begin(walking, 0.0).tolist() == [False]
+    assert patience.begin(standing, 0.0).tolist() == [False]
+
+
+def test_who_left_the_way_is_no_bystander_and_who_comes_back_is() -> None:
+    patience = Patience(CONFIG, 0.1)
+    patience.begin(scene_of((2.0, 0.8, 0.0, 0.6)), 0.0)
+    beside = scene_of((2.0, 0.9, 0.0, 0.0))
+    patience.begin(beside, 0.0)
+    assert patience.known(beside).tolist() == [True]
+    patience.begin(scene_of((2.0, 0.9, 0.0, -0.6)), 0.0)
+    assert patience.known(beside).tolist() == [False]
+
+
+def test_minding_bystanders_has_an_end_for_all_of_them() -> None:
+    patience = Patience(SjmcConfig(bystander_patience_s=0.3), 0.1)
+    beside = scene_of((2.0, 0.8, 0.0, 0.0), (3.0, -0.8, 0.0, 0.0))
+    patience.begin(beside, 0.0)
+    for _ in range(3):
+        assert not patience.known(beside).any()
+        patience.mind(True)
+    assert patience.known(beside).all()
+    for _ in range(5):
+        patience.mind(False)
+    assert not patience.known(beside).any()

@@ -1,0 +1,90 @@
+"""What is foreseen of a command."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sjmc_planner.config import RobotConfig
+from sjmc_planner.planning import STILL, Velocity
+from sjmc_planner.sjmc_region import box_of
+from sjmc_planner.sjmc_rollout import Foresight
+
+ROBOT = RobotConfig(
+    drive="differential", radius_m=0.6, front_m=0.2, rear_m=0.5, half_width_m=0.3, speed_m_s=0.8,
+    accel_m_s2=0.8, yaw_rate_rad_s=1.2, yaw_accel_rad_s2=2.5,
+)  # fmt: skip
+NOTHING, NOBODY = np.zeros((0, 2)), np.zeros((0, 5))
+DELAY, UNTIL, TOL_M = 0.2, 2.5, 0.02
+
+
+def foresight(robot: RobotConfig = ROBOT) -> Foresight:
+    return Foresight(robot, box_of(robot), DELAY, UNTIL)
+
+
+def test_braking_takes_the_way_of_the_delay_and_of_the_limit() -> None:
+    """0.8 m/s: 0.16 m in 0.2 s, then 0.4 m; a wall 1 m before the front is left at 0.44 m."""
+    wall = np.array([[1.2, 0.0]])
+    seen = foresight().look(Velocity(0.8, 0.0, 0.0), 0.0, 0.0, 0.0, wall, NOBODY)
+    assert seen.thing_gap == pytest.approx(0.44, abs=TOL_M)
+
+
+def test_nothing_is_infinitely_far() -> None:
+    seen = foresight().look(STILL, 0.0, 0.8, 1.0, NOTHING, NOBODY)
+    assert seen.thing_gap == seen.people_gap == math.inf
+
+
+def test_who_walks_past_a_standing_robot_is_nearest_abreast_of_it() -> None:
+    """From 1 m ahead at 1 m/s along y = 1: 0.7 - 0.25 m beside it from 0.8 s on."""
+    person = np.array([[1.0, 1.0, -1.0, 0.0, 0.25]])
+    seen = foresight().look(STILL, 0.0, 0.0, 0.0, NOTHING, person)
+    assert seen.people_gap == pytest.approx(0.45, abs=1e-6)
+    assert seen.people_time == pytest.approx(0.8, abs=0.11)
+
+
+def test_backing_makes_room() -> None:
+    person = np.array([[1.2, 1.5, 0.0, -1.0, 0.25]])
+    stands = foresight().look(STILL, 0.0, 0.0, 0.0, NOTHING, person)
+    backs = foresight().look(STILL, 0.0, -0.5, 2.0, NOTHING, person)
+    assert backs.people_gap > stands.people_gap + 0.15
+
+
+def test_a_thing_beside_is_swept_by_the_tail_of_a_turn() -> None:
+    thing = np.array([[-0.3, -0.35]])
+    seen = foresight().look(STILL, math.radians(90.0), 0.0, 2.0, thing, NOBODY)
+    assert seen.thing_gap == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_robot_without_a_box_is_its_circle() -> None:
+    circle = RobotConfig(radius_m=0.3, accel_m_s2=0.8)
+    seen = foresight(circle).look(STILL, 0.0, 0.0, 0.0, np.array([[0.3, 0.4]]), NOBODY)
+    assert seen.thing_gap == pytest.approx(0.2)
+
+
+def test_a_mirrored_scene_is_foreseen_the_same() -> None:
+    rng = np.random.default_rng(0)
+    things, people = rng.uniform(-2.0, 3.0, (20, 2)), rng.uniform(-2.0, 2.0, (4, 5))
+    now = Velocity(0.5, 0.0, 0.3)
+    seen = foresight().look(now, 0.4, 0.6, 0.5, things, people)
+    flip, flip_people = np.array([1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0, 1.0])
+    mirrored = Velocity(0.5, 0.0, -0.3)
+    assert seen == foresight().look(mirrored, -0.4, 0.6, 0.5, things * flip, people * flip_people)
+
+
+def test_what_is_left_out_could_not_have_been_met() -> None:
+    """Leaving out what is far changes nothing that is nearer than what is kept clear of."""
+    rng, sight = np.random.default_rng(1), foresight()
+    for _ in range(30):
+        now = Velocity(float(rng.uniform(0.0, 0.8)), 0.0, float(rng.uniform(-1.0, 1.0)))
+        things = rng.uniform(-4.0, 4.0, (60, 2))
+        people = np.column_stack((rng.uniform(-6.0, 6.0, (8, 2)), rng.uniform(-1.5, 1.5, (8, 2)),
+                                  np.full(8, 0.25)))  # fmt: skip
+        near = sight.within_reach(now, 0.8, things)
+        met = sight.may_meet(now, 0.8, people)
+        course = float(rng.uniform(-2.0, 2.0))
+        whole = sight.look(now, course, 0.8, 0.05, things, people)
+        part = sight.look(now, course, 0.8, 0.05, near, met)
+        assert min(part.thing_gap, 0.4) == pytest.approx(min(whole.thing_gap, 0.4))
+        assert min(part.people_gap, 0.3) == pytest.approx(min(whole.people_gap, 0.3))
