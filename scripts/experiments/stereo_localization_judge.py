@@ -12,6 +12,7 @@ import numpy as np
 from experiments.stereo_look_alike import FAR_M, LookAlikes
 from experiments.stereo_places import TRUE, Place
 from floornav_common.se2 import SE2, wrap_angle
+from multi_localizer.pose_estimate import normalized_error
 from multi_localizer.stereo_localizer import StereoLocalizer
 from multi_localizer.stereo_pose import StereoPose, StereoState
 
@@ -47,11 +48,15 @@ def judge_place(
 def _errors(found: StereoPose, place: Place) -> Values:
     pose, state = found.pose, found.state.value
     if pose is None:
-        return {"pose": None, "state": state, "x_m": None, "y_m": None, "yaw_rad": None}
+        return {
+            "pose": None, "state": state, "x_m": None, "y_m": None, "yaw_rad": None, "nees": None,
+        }  # fmt: skip
+    assert found.cov is not None
     return {
         "pose": _listed(pose), "state": state, "x_m": abs(pose.x - place.pose.x),
         "y_m": abs(pose.y - place.pose.y),
         "yaw_rad": abs(float(wrap_angle(pose.yaw - place.pose.yaw))),
+        "nees": normalized_error(pose, place.pose, found.cov),
     }  # fmt: skip
 
 
@@ -81,6 +86,7 @@ def summarized(places: list[Values], name: str) -> Values:
         "known": 100.0 * float(is_known.sum()) / len(found),
         "known_within_8cm": 100.0 * float(np.mean(off[is_known] <= 0.08)) if is_known.any()
         else None,
+        "mean_nees": mean([f["nees"] for f, known in zip(given, is_known, strict=True) if known]),
         "median_ms": float(np.median([f["ms"] for f in found])),
     }  # fmt: skip
 

@@ -26,15 +26,25 @@ def room():
 
 def found(x, y, yaw, state="known"):
     pose = [0.0, 0.0, 0.0]
-    return {"pose": pose, "state": state, "x_m": x, "y_m": y, "yaw_rad": yaw, "ms": 5.0}
+    return {
+        "pose": pose,
+        "state": state,
+        "x_m": x,
+        "y_m": y,
+        "yaw_rad": yaw,
+        "ms": 5.0,
+        "nees": 4.0 * x,
+    }
 
 
 def test_figures_by_hand():
     nothing = {"pose": None, "state": "lost", "x_m": None, "y_m": None, "yaw_rad": None, "ms": 7.0}
+    nothing["nees"] = None
     rows = [found(0.06, 0.05, 0.01), found(0.06, 0.06, 0.03), found(2.0, 0.0, 0.02, "ambiguous")]
     got = summarized([{"found": {"m": row}} for row in (*rows, nothing)], "m")
     assert (got["within_8cm"], got["over_1m"], got["known"]) == (25.0, 25.0, 50.0)
     assert got["known_within_8cm"] == 50.0 and got["median_ms"] == 5.0
+    assert got["mean_nees"] == pytest.approx(0.24)  # of the two that are known
     assert got["mean_x_cm"] == pytest.approx(100 * 2.12 / 3)
     assert got["mean_y_cm"] == pytest.approx(100 * 0.11 / 3)
     assert got["mean_theta_deg"] == pytest.approx(math.degrees(0.02))
