@@ -80,3 +80,16 @@ def test_faults_tell_what_a_spare_bearing_is_good_for(monkeypatch: pytest.Monkey
     assert refused["sent_share"] == refused["false_sent_share"] == 0.0
     assert none["wrong_share"] > 0.3 and none["wrong_share"] > 2.0 * one["wrong_share"]
     assert one["sent_share"] > 0.9
+
+
+def test_views_that_confirm_each_other_send_fewer_wrong_poses_than_each_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kinds = faults.KINDS
+    monkeypatch.setattr(faults, "DRIVE_CASES", ((4, kinds[0]), (4, kinds[1])))
+    none, false = faults.drive_rows(0, LandmarkConfig(), 8)
+    settling = 2 / faults.VIEWS_A_DRIVE  # the first two views of a drive send no pose
+    assert none["given_share"] == 1.0 and none["wrong_share"] == 0.0
+    assert none["sent_share"] == pytest.approx(1.0 - settling, abs=0.05)
+    assert false["alone_wrong_share"] > 0.05
+    assert false["wrong_share"] < 0.2 * false["alone_wrong_share"]
