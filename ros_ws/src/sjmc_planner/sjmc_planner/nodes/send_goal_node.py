@@ -48,8 +48,8 @@ class SendGoalNode(FloornavNode):
     def _send(self) -> None:
         if not self._goal_pub.get_subscription_count():
             self.get_logger().warning(
-                f"nobody listens to {self._goal_pub.topic_name}: start a planner with "
-                "goal_source:=goal_pose, in this ROS_DOMAIN_ID",
+                f"nobody listens to {self._goal_pub.topic_name}: start wavefront_planner, or "
+                "local_planner with goal_source:=goal_pose, in this ROS_DOMAIN_ID",
                 throttle_duration_sec=_SAY_PERIOD_S,
             )
         elif self._num_sent < _NUM_SENDS:
