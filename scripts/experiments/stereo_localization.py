@@ -1,9 +1,10 @@
 """The pose in a voxel map by two stereo pairs at random places, beside the stereo paper's Table 3.
 
-Map: the simulator's world through make_voxel_map. Images: rendered with the sensors' noise. Each
-place is found on its own, without a guess, by the published search with distances from interval DP
-and from monotone DP and by color alone, and by ours with distances from our matcher and with true
-ones; `published_true` is the published search with true ones. Then a drive is followed.
+Map: the simulator's world, or views of it, through make_voxel_map. Images: rendered with the
+sensors' noise. Each place is found on its own, without a guess, by the published search with
+distances from interval DP and from monotone DP and by color alone, and by ours with distances from
+our matcher and with true ones; `published_true` is the published search with true ones. Then a
+drive is followed.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from experiments.stereo_localization_judge import (
 )
 from experiments.stereo_localization_pictures import draw_drive, draw_places, draw_views
 from experiments.stereo_look_alike import FAR_M, LookAlikes
+from experiments.stereo_map_views import map_of_views
 from experiments.stereo_places import Observer
 from experiments.stereo_views import WORLD, StereoRoom
 from experiments.stereo_world_map import map_of_world
@@ -58,6 +60,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add("--drive", type=float, metavar="M", help="length of the drive (default: 50; 3 with "
         "--quick)")  # fmt: skip
     add("--map", type=Path, metavar="NPZ", help="another map of the room, by make_voxel_map")
+    text = "made from the world's solids, or stereo or RGB-D views of 60 places (default: world)"
+    add("--map-from", choices=("world", "stereo", "rgbd"), default="world", help=text)
     add("--threads", type=int, default=2, metavar="N", help="of the search (default: 2)")
     add("--quick", action="store_true", help="few places, a short drive")
 
@@ -82,7 +86,7 @@ def run(args: argparse.Namespace, values: Values) -> list[Section]:
     )  # fmt: skip
     room = StereoRoom(args.seed)
     observer = Observer(room)
-    voxels = _voxels(args, values)
+    voxels = _voxels(args, values, room)
     values["cameras"] = {
         "baseline_m": room.baseline_m, "fov_rad": room.fov_rad, "focal_px": room.focal_px,
         "height_m": observer.cameras[0].height_m, "size_px": list(room.size_px), "disparities": 64,
@@ -105,14 +109,20 @@ def run(args: argparse.Namespace, values: Values) -> list[Section]:
     return sections
 
 
-def _voxels(args: argparse.Namespace, values: Values) -> VoxelMap:
+def _voxels(args: argparse.Namespace, values: Values, room: StereoRoom) -> VoxelMap:
     voxels: VoxelMap | None = args.voxels
     if voxels is None:
-        voxels = load_voxel_map(save_voxel_map(args.out_dir / "map.npz", map_of_world(WORLD)))
+        path = args.out_dir / "map.npz"
+        if args.map_from == "world":
+            save_voxel_map(path, map_of_world(WORLD))
+        else:
+            views = args.out_dir / "views"
+            map_of_views(views, path, room, args.map_from == "stereo", args.seed)
+        voxels = load_voxel_map(path)
     layers, rows, columns = voxels.shape
     values["map"] = {
         "layers": layers, "rows": rows, "columns": columns, "cell_m": voxels.cell_m,
-        "layer_m": voxels.layer_m,
+        "layer_m": voxels.layer_m, "from": args.map_from if args.map is None else str(args.map),
     }  # fmt: skip
     return voxels
 
@@ -142,8 +152,8 @@ def _text(values: Values) -> str:
     c, m = values["cameras"], values["map"]
     return (
         f"{values['num_places']} places of the stereo room; map {m['columns']} x {m['rows']} x "
-        f"{m['layers']} voxels; two pairs {c['height_m']:.2f} m above the floor, "
-        f"{c['baseline_m']:.2f} m apart, {math.degrees(c['fov_rad']):.0f} degrees, "
+        f"{m['layers']} voxels, made from {m['from']}; two pairs {c['height_m']:.2f} m above the "
+        f"floor, {c['baseline_m']:.2f} m apart, {math.degrees(c['fov_rad']):.0f} degrees, "
         f"{c['disparities']} disparities. Percentage within 8 cm, mean errors in x, y (cm) and "
         "heading (degrees); beside them the paper's. Known: percentage at which the method itself "
         "says that the pose is known; nees: squared errors over its own covariance, mean where it "

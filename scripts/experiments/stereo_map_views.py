@@ -12,9 +12,21 @@ from scipy.spatial.transform import Rotation
 
 from experiments.stereo_views import StereoRoom
 from floornav_common.se2 import SE2
+from multi_localizer.make_voxel_map import main as make_voxel_map
 from sim_bridge.still_shapes import upright_pose
 
-DEPTH_PER_M = 5000.0
+DEPTH_PER_M, NUM_PLACES = 5000.0, 60
+_SEED_OFF = 1000  # the map is made from other places than those it is judged at
+
+
+def map_of_views(folder: Path, out: Path, room: StereoRoom, is_stereo: bool, seed: int) -> None:
+    """Write what the robot sees at random places to a folder, and the map that the tool makes."""
+    rng = np.random.default_rng(seed + _SEED_OFF)
+    write_views(folder, room, [room.standing_pose(rng) for _ in range(NUM_PLACES)], is_stereo)
+    floor, top = room.world.floor, room.world.ceiling_m or 2.5
+    bounds = [*floor.from_m, 0.0, *floor.to_m, top]
+    args = ["--views", str(folder), "--out", str(out), "--quiet", "--bounds"]
+    make_voxel_map([*args, *(f"{b:g}" for b in bounds)])
 
 
 def write_views(folder: Path, room: StereoRoom, poses: Sequence[SE2], is_stereo: bool) -> None:

@@ -145,3 +145,20 @@ def test_what_is_seen_is_what_the_map_shows_there(room):
 def test_an_outline_has_points_along_its_edges():
     points = edge_points(np.array([[0.0, 0.0], [0.1, 0.0], [0.1, 0.1]]), 0.05)
     assert len(points) == 2 + 2 + 3 and (points[1] == (0.05, 0.0)).all()
+
+
+def test_a_map_is_made_from_what_the_robot_sees(room, tmp_path, monkeypatch):
+    """Three places with true distances: what they see of the room's walls is in the map."""
+    from experiments import stereo_map_views
+    from multi_localizer.voxel_map import load_voxel_map
+
+    monkeypatch.setattr(stereo_map_views, "NUM_PLACES", 3)
+    path = tmp_path / "map.npz"
+    stereo_map_views.map_of_views(tmp_path / "views", path, room, False, 0)
+    made = load_voxel_map(path)
+    assert made.size_m == pytest.approx((5.14, 5.14, 2.88), abs=0.2)
+    layers, rows, columns = np.nonzero(made.occupied[3:14])  # between floor and ceiling
+    x = made.origin_x_m + (columns + 0.5) * made.cell_m
+    y = made.origin_y_m + (rows + 0.5) * made.cell_m
+    gaps = np.min([s.signed_distance(np.column_stack((x, y))) for s in room.solids], axis=0)
+    assert len(layers) > 5000 and np.mean(gaps < 0.015) > 0.97
