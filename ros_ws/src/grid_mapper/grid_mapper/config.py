@@ -201,9 +201,11 @@ class GridMapperConfig:
         0.3, "How far the saved keepout mask reaches round glass.", unit="m", ge=0.0, le=5.0
     )
     loop_closing: bool = param(
-        False, "Close loops: match to what was seen lately, and correct all poses by a pose graph.",
+        True,
+        "Close loops: match to what was seen lately, and correct all poses by a pose graph. Done "
+        "by map_bag; the live node matches to all key scans instead.",
         read_only=True,
-    )  # fmt: skip
+    )
     loop: LoopConfig = field(default_factory=LoopConfig)
     match_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     map_key: KeyScanConfig = field(default_factory=KeyScanConfig)

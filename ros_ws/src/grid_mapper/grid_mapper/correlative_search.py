@@ -23,6 +23,9 @@ APART_M, APART_RAD = 0.5, 0.2
 """Poses nearer than this to each other are of one peak."""
 FINE_RAD = 0.01
 FINE_STEPS = 3
+MAX_CLIMBS = 6
+STARTS_A_PEAK = 3
+"""Coarse poses refined for each peak: their scores are too kind to tell neighbors apart."""
 
 
 @dataclass(frozen=True)
@@ -58,12 +61,15 @@ def find_peaks(
         turns = turns[:-1]
     shifts = _steps(window[0], step)
     scores = _scores(coarse, corner, query, center.as_array(), turns, shifts)
+    starts = _starts(scores, center, turns, shifts, STARTS_A_PEAK * num)
+    refined = [_refined(fine, corner, query, pose, step, turn_step) for pose in starts]
     peaks: list[Peak] = []
-    for pose in _apart(scores, center, turns, shifts, num):
-        refined = _refined(fine, corner, query, pose, step, turn_step)
-        if all(not is_same_peak(refined.pose, other.pose) for other in peaks):
-            peaks.append(refined)
-    return sorted(peaks, key=lambda peak: -peak.score)
+    for peak in sorted(refined, key=lambda peak: -peak.score):
+        off = np.abs(peak.pose.as_array()[:2] - center.as_array()[:2])
+        is_inside = float(off.max()) <= window[0] + step
+        if is_inside and all(not is_same_peak(peak.pose, other.pose) for other in peaks):
+            peaks.append(peak)
+    return peaks[:num]
 
 
 def is_same_peak(a: SE2, b: SE2) -> bool:
@@ -90,31 +96,38 @@ def _field(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.rint(255.0 * np.exp(-0.5 * (distance / SMEAR_M) ** 2)).astype(np.uint8), corner
 
 
-def _apart(
+def _starts(
     scores: np.ndarray, center: SE2, turns: np.ndarray, shifts: np.ndarray, num: int
 ) -> list[SE2]:
-    """Return the poses of the best scores that are apart from each other."""
-    order = np.argsort(-scores, axis=None, kind="stable")
-    found: list[SE2] = []
-    for flat in order[: 200 * num]:
-        k, r, c = (int(index) for index in np.unravel_index(flat, scores.shape))
-        pose = SE2(center.x + shifts[c], center.y + shifts[r], center.yaw + turns[k])
-        if all(not is_same_peak(pose, other) for other in found):
-            found.append(pose)
-            if len(found) == num:
-                break
-    return found
+    """Return the poses of the best coarse scores, none beside a better one."""
+    left = scores.copy()
+    starts: list[SE2] = []
+    for _ in range(num):
+        k, r, c = (int(index) for index in np.unravel_index(int(np.argmax(left)), left.shape))
+        if left[k, r, c] <= 0.0:
+            break
+        shift = np.array([shifts[c], shifts[r], turns[k]])
+        starts.append(SE2(*(float(v) for v in center.as_array() + shift)))
+        left[max(0, k - 1) : k + 2, max(0, r - 1) : r + 2, max(0, c - 1) : c + 2] = 0.0
+    return starts
 
 
 def _refined(
     field: np.ndarray, corner: np.ndarray, query: np.ndarray, pose: SE2, step: float, turn: float
 ) -> Peak:
+    """Return the best pose round a coarse one, followed uphill as far as it goes."""
     turns = _steps(turn, max(FINE_RAD, turn / FINE_STEPS))
     shifts = _steps(0.5 * step + CELL_M, CELL_M)
-    scores = _scores(field, corner, query, pose.as_array(), turns, shifts)
-    k, r, c = np.unravel_index(int(np.argmax(scores)), scores.shape)
-    best = SE2(pose.x + shifts[c], pose.y + shifts[r], pose.yaw + turns[k])
-    return Peak(best, float(scores[k, r, c]) / 255.0)
+    middle = (len(turns) // 2, len(shifts) // 2, len(shifts) // 2)
+    score = 0.0
+    for _ in range(MAX_CLIMBS):
+        scores = _scores(field, corner, query, pose.as_array(), turns, shifts)
+        k, r, c = (int(i) for i in np.unravel_index(int(np.argmax(scores)), scores.shape))
+        score = float(scores[k, r, c]) / 255.0
+        if (k, r, c) == middle:
+            break
+        pose = SE2(*(float(v) for v in pose.as_array() + (shifts[c], shifts[r], turns[k])))
+    return Peak(pose, score)
 
 
 @numba.njit(cache=True)

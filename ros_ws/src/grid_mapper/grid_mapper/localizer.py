@@ -136,15 +136,18 @@ class ScanLocalizer:
         else:
             self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, cov, np.zeros(3))
 
-    def break_motion(self) -> None:
+    def break_motion(self, T_map_first: SE2 | None = None) -> None:
         """Go on after time or odometry jumped: the map stays, the robot may be anywhere.
 
         It counts as found again where a scan fits the map well near the newest pose or near the
         first one (a recording that starts again), or where `relocate` says.
+
+        Args:
+            T_map_first: Where the first pose lies by now; by default where it was.
         """
         if self._last is None or self._first_pose is None:
             return
-        T_last, first = self._last.T_map_base, self._first_pose
+        T_last, first = self._last.T_map_base, T_map_first or self._first_pose
         self.relocate(T_last)
         self._guesses = [T_last, first]
 

@@ -66,7 +66,7 @@ class LoopCloser:
         worst = max(deviations(edge, self.poses) for edge in found)
         if worst < SOLVED_DEVIATIONS and self._num_unsolved < MAX_UNSOLVED:
             return False
-        self._solve()
+        self.solve()
         return True
 
     def finish(self) -> None:
@@ -80,7 +80,22 @@ class LoopCloser:
         renewed = {edge.second for edge in found}
         kept = [e for e in self.edges if not (e.is_loop and e.second in renewed)]
         self.edges = kept + found
-        self._solve()
+        self.solve()
+
+    def solve(self) -> None:
+        """Solve the graph; take out what does not fit, and solve again."""
+        self._num_unsolved = 0
+        kernel = self.config.loop.kernel
+        self.poses = solve(self.poses, self.edges, kernel)
+        kept = [
+            edge
+            for edge in self.edges
+            if not edge.is_loop or deviations(edge, self.poses) < MAX_DEVIATIONS
+        ]
+        if len(kept) < len(self.edges):
+            self.refused["does not fit the graph"] += len(self.edges) - len(kept)
+            self.edges = kept
+            self.poses = solve(self.poses, self.edges, kernel)
 
     def _append(self, frame: KeyFrame) -> None:
         if not self.frames:
@@ -118,18 +133,3 @@ class LoopCloser:
             return []
         self._pending = [other for other in self._pending if other not in confirmed]
         return [*confirmed, edge]
-
-    def _solve(self) -> None:
-        """Solve the graph; take out what does not fit, and solve again."""
-        self._num_unsolved = 0
-        kernel = self.config.loop.kernel
-        self.poses = solve(self.poses, self.edges, kernel)
-        kept = [
-            edge
-            for edge in self.edges
-            if not edge.is_loop or deviations(edge, self.poses) < MAX_DEVIATIONS
-        ]
-        if len(kept) < len(self.edges):
-            self.refused["does not fit the graph"] += len(self.edges) - len(kept)
-            self.edges = kept
-            self.poses = solve(self.poses, self.edges, kernel)

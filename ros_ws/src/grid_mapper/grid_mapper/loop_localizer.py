@@ -58,8 +58,8 @@ class LoopClosingLocalizer:
 
     def __init__(self, config: GridMapperConfig) -> None:
         self.config, loop = config, config.loop
-        matcher = RecentScanMatcher(config.matcher, loop.recent_scans)
-        self._front = ScanLocalizer(config, matcher=matcher)
+        self._matcher = RecentScanMatcher(config.matcher, loop.recent_scans)
+        self._front = ScanLocalizer(config, matcher=self._matcher)
         self._key = KeyScanConfig(
             distance_m=loop.node_distance_m, turn_rad=loop.node_turn_rad, period_s=0.0
         )
@@ -91,8 +91,15 @@ class LoopClosingLocalizer:
         """Pass a reading over."""
 
     def break_motion(self) -> None:
-        """Go on after time or odometry jumped; see `ScanLocalizer.break_motion`."""
-        self._front.break_motion()
+        """Go on after time or odometry jumped: where the robot was last, or where it began."""
+        frames, poses = self.closer.frames, self.closer.poses
+        if not frames:
+            return
+        T_local_map = frames[-1].T_local_base @ poses[-1].inverse()
+        num = min(len(frames), self.config.loop.submap_nodes + 1)
+        for frame, pose in zip(frames[:num], poses[:num], strict=True):
+            self._matcher.insert(frame.points, T_local_map @ pose)
+        self._front.break_motion(T_local_map @ poses[0])
 
     def known_poses(self) -> list[KnownPose]:
         """Return the pose of every scan so far, as the graph has it now."""

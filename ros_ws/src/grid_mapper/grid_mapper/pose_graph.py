@@ -16,6 +16,9 @@ from floornav_common.se2 import SE2
 from grid_mapper.key_frames import Edge
 
 HELD_SIGMA = 1e-6
+KERNEL_WIDTHS = (256.0, 16.0, 1.0)
+FAR_DEVIATIONS = 5.0
+"""Only where a loop is further off than this is the kernel begun wide."""
 MISSING = (
     "loop closing needs the package gtsam, which is not installed: "
     "install it (requirements-robot.txt), or set loop_closing to false"
@@ -37,11 +40,21 @@ def load_solver() -> Any:
 def solve(poses: Sequence[SE2], edges: Sequence[Edge], kernel: float) -> list[SE2]:
     """Return the poses that fit the edges best; the first node stays where it is.
 
+    The kernel begins wide and is narrowed (graduated non-convexity, Blake and Zisserman 1987): a
+    true loop that takes out much drift is far off at first, and must not count as false for that.
+
     Args:
         poses: Where to begin, by node.
         edges: The measured motions.
-        kernel: Deviations at which a loop counts half.
+        kernel: Deviations at which a loop counts half, at last.
     """
+    worst = max((deviations(edge, poses) for edge in edges if edge.is_loop), default=0.0)
+    for width in KERNEL_WIDTHS if worst > FAR_DEVIATIONS else KERNEL_WIDTHS[-1:]:
+        poses = _solve(poses, edges, width * kernel)
+    return list(poses)
+
+
+def _solve(poses: Sequence[SE2], edges: Sequence[Edge], kernel: float) -> list[SE2]:
     gtsam = load_solver()
     graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     held = gtsam.noiseModel.Isotropic.Sigma(3, HELD_SIGMA)

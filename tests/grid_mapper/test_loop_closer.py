@@ -1,0 +1,148 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from loop_builders import (
+    NS,
+    closed,
+    drifted,
+    frames_at,
+    largest_error,
+    motion,
+    ring,
+    round_the_ring,
+)
+from worlds import box, moved_walls, scan_at, square_room
+
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.key_frames import KeyFrame, chain_edge
+from grid_mapper.loop_candidates import Candidate
+from grid_mapper.loop_closer import LoopCloser
+from grid_mapper.loop_config import LoopConfig
+from grid_mapper.loop_verification import agree, seen_through, verify
+
+CONFIG = GridMapperConfig()
+SMALL = LoopConfig(submap_nodes=2)
+NUM, LAPS = 110, 1.25
+
+
+@pytest.fixture(scope="module")
+def lap():
+    """A lap and a quarter round the ring, with a front end that turns a little too far."""
+    truth = round_the_ring(NUM, LAPS)
+    local = drifted(truth, turn_per_step=0.001, stretch=1.004)
+    return truth, frames_at(truth, local, ring(), np.random.default_rng(0))
+
+
+def test_coming_round_closes_the_loop(lap):
+    truth, frames = lap
+    before = largest_error([frame.T_local_base for frame in frames], truth)
+    closer = closed(frames)
+    assert before > 0.5
+    assert closer.num_loops > 10
+    assert largest_error(closer.poses, truth) < 0.3 * before
+
+
+def test_every_loop_is_a_true_one(lap):
+    truth, frames = lap
+    for edge in closed(frames).edges:
+        if edge.is_loop:
+            off = edge.T_first_second.between(truth[edge.first].between(truth[edge.second]))
+            assert off.distance < 0.1 and abs(off.yaw) < 0.03
+
+
+def test_the_same_frames_give_the_same_poses_to_the_bit(lap):
+    _, frames = lap
+    first, second = closed(frames), closed(frames)
+    assert [p.as_array().tolist() for p in first.poses] == [
+        p.as_array().tolist() for p in second.poses
+    ]
+
+
+def test_a_far_loop_waits_for_a_second_that_agrees(lap):
+    """With a graph that is very uncertain no single match is believed."""
+    _, frames = lap
+    loop = LoopConfig(drift_m=0.1, drift_rad=0.01, sure_sigma_m=1e-6, search_distance_m=1e3)
+    closer = LoopCloser(replace(CONFIG, loop=loop))
+    for frame in frames:
+        closer.add(frame)
+    assert closer.num_loops == 0
+
+
+def test_a_false_loop_is_taken_out_again(lap):
+    truth, frames = lap
+    closer = LoopCloser(CONFIG)
+    for frame in frames:
+        closer.add(frame)
+    last = len(frames) - 1
+    wrong = truth[30].between(truth[last]) @ SE2(1.5, 0.5, 0.2)
+    closer.edges.append(motion(30, last, wrong, is_loop=True, cov=1e-4 * np.eye(3)))
+    closer.solve()
+    assert closer.refused["does not fit the graph"] == 1
+    assert largest_error(closer.poses, truth) < 0.3
+
+
+def test_another_room_of_the_same_shape_but_other_furniture_is_refused():
+    here = SE2(-1.5, -1.8, 0.0)
+    path = [here @ SE2(0.3 * k, 0.0, 0.0) for k in range(5)]
+    bare = square_room()[:4]  # the same outer walls
+    full = np.vstack([bare, *(box(x, 0.0, x + 0.8, 0.8) for x in (-3.5, -1.5, 0.5, 2.5))])
+    frames = frames_at(path, path, full) + frames_at(path, path, bare)
+    poses = path + path
+    verdict = verify(frames, poses, Candidate(9, 2, 0.3, 0.1), SMALL, CONFIG.matcher)
+    assert verdict.edge is None and verdict.reason == "seen through"
+
+
+def test_the_same_place_is_found_from_far_off_and_its_motion_is_right():
+    path = [SE2(-1.5 + 0.3 * k, -1.8, 0.1 * k) for k in range(5)]
+    again = [pose @ SE2(0.05, 0.1, 0.2) for pose in path]
+    frames = frames_at(path + again, path + again, square_room())
+    off = SE2(0.6, -0.4, 0.15)
+    poses = path + [off @ pose for pose in again]
+    verdict = verify(frames, poses, Candidate(9, 2, 0.4, 0.1), SMALL, CONFIG.matcher)
+    assert verdict.edge is not None, verdict.reason
+    error = verdict.edge.T_first_second.between(path[2].between(again[4]))
+    assert error.distance < 0.03 and abs(error.yaw) < 0.01
+
+
+def test_a_scan_sees_through_a_wall_that_is_not_there():
+    T = SE2(0.0, 0.0, 0.3)
+    frame = frames_at([T], [T], square_room())[0]
+    assert seen_through(frame, frame.points) == 0.0
+    nearer = replace(frame.points, points=0.5 * frame.points.points)
+    assert seen_through(frame, nearer) > 0.9
+
+
+def test_loops_agree_when_they_lead_to_one_place():
+    poses = [SE2(float(k), 0.0, 0.0) for k in range(4)] + [SE2(5.0 + k, 9.0, 0.0) for k in range(4)]
+    T = SE2(0.2, -0.1, 0.05)
+    first, second = motion(1, 5, T), motion(2, 6, SE2(-1, 0, 0) @ T @ SE2(1, 0, 0))
+    assert agree(first, second, poses, CONFIG.loop)
+    assert not agree(first, motion(2, 6, T @ SE2(0.0, 2.0, 0.0)), poses, CONFIG.loop)
+
+
+def test_moving_the_world_moves_the_result_with_it(lap):
+    truth, frames = lap
+    T = SE2(7.0, -3.0, 2.0)
+    moved = [replace(frame, T_local_base=T @ frame.T_local_base, information=turned(frame, T))
+             for frame in frames]  # fmt: skip
+    here, there = closed(frames).poses, closed(moved).poses
+    assert largest_error([T @ pose for pose in here], there) < 0.05
+
+
+def turned(frame, T):
+    c, s = np.cos(T.yaw), np.sin(T.yaw)
+    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return R @ frame.information @ R.T
+
+
+def test_the_chain_is_surer_where_the_match_says_more():
+    scan = scan_at(SE2.identity(), moved_walls(SE2.identity(), square_room()))
+    front = frames_at([SE2.identity()], [SE2.identity()], square_room())[0]
+    after = KeyFrame(NS, SE2(0.5, 0.0, 0.0), np.diag([1e-3, 1e4, 1e4]), front.points, scan,
+                     SE2.identity())  # fmt: skip
+    edge = chain_edge(1, front, after, CONFIG.motion, (1e-3, 1e-3))
+    assert edge.T_first_second.x == pytest.approx(0.5)
+    assert edge.cov[0, 0] == pytest.approx((0.005 + 0.1 * 0.5) ** 2, rel=0.01)
+    assert edge.cov[1, 1] < 0.02**2
