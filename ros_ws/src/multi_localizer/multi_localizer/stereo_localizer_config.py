@@ -78,7 +78,7 @@ class StereoLocalizerConfig:
         0.5, "ours: what color counts where poses are held against each other.", ge=0.0, le=1.0
     )
     evidence: float = param(
-        300.0, "ours: how much surer a pose is whose mean cost is less by 1, as a logarithm.",
+        500.0, "ours: how much surer a pose is whose mean cost is less by 1, as a logarithm.",
         gt=0.0,
     )  # fmt: skip
     least_error_m: float = param(

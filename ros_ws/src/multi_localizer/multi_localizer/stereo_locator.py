@@ -10,7 +10,7 @@ from multi_localizer.stereo_hypotheses import covariance, hypotheses_of, judged
 from multi_localizer.stereo_judge import judge, known_part
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_pose import StereoPose
-from multi_localizer.stereo_refine import refine, targets_of
+from multi_localizer.stereo_refine import Fits, Target, refine, targets_of
 from multi_localizer.stereo_search_all import SearchAll
 from multi_localizer.stereo_view import StereoView
 from multi_localizer.voxel_view import ViewCamera, VoxelScene
@@ -18,6 +18,7 @@ from multi_localizer.voxel_view import ViewCamera, VoxelScene
 COARSE, FINE = (40, 8), (80, 8)
 """Columns and rows of the views that poses are roughly fitted by, and fitted and judged."""
 _LOOSE, _LESS_LOOSE, _ROUGH_STEPS, _STEPS = 4.0, 2.0, 4, 3
+_NUM_SCATTERED, _SCATTER_M = 3, 0.08
 _SPARE = 3  # so many times the hypotheses that may stay are fitted
 
 
@@ -48,8 +49,26 @@ class StereoLocator:
         order = np.argsort(judge(self._scene, fine, rough.poses, c), kind="stable")
         best = rough.poses[order[: _SPARE * c.max_hypotheses]]
         near = refine(self._scene, fine, best, c, _STEPS, c.fit_color, _LESS_LOOSE)
-        fits = refine(self._scene, fine, near.poses, c, _STEPS, c.fit_color)
+        fits = self._fitted(fine, near.poses)
         costs = judge(self._scene, fine, fits.poses, c)
+        again = self._fitted(fine, scattered(fits.poses[np.argsort(costs)[:_NUM_SCATTERED]]))
+        fits = fits.joined(again)
+        costs = np.concatenate((costs, judge(self._scene, fine, again.poses, c)))
         covs = [covariance(c.evidence * h, c) for h in fits.hessians]
         found = hypotheses_of(fits.poses, covs, costs, -c.evidence * costs, c)
         return judged(found, known_part(fine), c)
+
+    def _fitted(self, targets: Sequence[Target], poses: np.ndarray) -> Fits:
+        c = self._config
+        return refine(self._scene, targets, poses, c, _STEPS, c.fit_color)
+
+
+def scattered(poses: np.ndarray) -> np.ndarray:
+    """Return places around poses, (8 N, 3).
+
+    Where distances are partly wrong, as those of what is too near, the least cost around may lie
+    beyond a hill.
+    """
+    angles = np.arange(8) * np.pi / 4.0
+    around = _SCATTER_M * np.stack((np.cos(angles), np.sin(angles), np.zeros(8)), axis=1)
+    return np.asarray((poses[:, None] + around).reshape(-1, 3))

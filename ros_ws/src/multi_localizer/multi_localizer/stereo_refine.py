@@ -65,9 +65,13 @@ class Fits:
     costs: np.ndarray
     hessians: np.ndarray
 
-    def chosen(self, index: np.ndarray) -> Fits:
-        """Return some of them."""
-        return Fits(self.poses[index], self.costs[index], self.hessians[index])
+    def joined(self, other: Fits) -> Fits:
+        """Return these and others."""
+        return Fits(
+            np.concatenate((self.poses, other.poses)),
+            np.concatenate((self.costs, other.costs)),
+            np.concatenate((self.hessians, other.hessians)),
+        )
 
 
 @dataclass(frozen=True, eq=False)
