@@ -60,6 +60,14 @@ def test_who_walks_has_a_velocity_within_half_a_second() -> None:
     assert tracks.velocity[0, 1] > 0.7
 
 
+def test_who_walks_ahead_of_the_robot_as_fast_as_it_is_seen_to_move() -> None:
+    last = follow(
+        lambda t: [(1.6 + 0.5 * t, 0.0, 0.2)], lambda t: SE2(0.5 * t, 0.0, 0.0), walls=[], num=20
+    )[-1]
+    assert last.is_moving[0] > 0.7
+    assert np.allclose(last.velocity[0], (0.5, 0.0), atol=TOL_M_S)
+
+
 def test_who_stands_has_none() -> None:
     for tracks in follow(lambda t: [(2.0, 0.5, 0.2), (-1.0, 1.0, 0.25)])[3:]:
         assert len(tracks) == 2

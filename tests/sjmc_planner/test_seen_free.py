@@ -39,7 +39,7 @@ def nearest_thing(scan: Scan, values: np.ndarray) -> np.ndarray:
 def test_somebody_who_came_stands_where_it_was_free() -> None:
     at = SE2.identity()
     earlier, now = drawn_scan([(2.0, 1.0, 0.2)], WALL), drawn_scan([(2.0, 0.4, 0.2)], WALL)
-    free, known = nearest_thing(now, told(now, at, earlier, at))
+    free, known, _ = nearest_thing(now, told(now, at, earlier, at))
     assert free == 1.0
     assert known == 0.0
 
@@ -47,7 +47,7 @@ def test_somebody_who_came_stands_where_it_was_free() -> None:
 def test_somebody_who_stands_is_known() -> None:
     at = SE2.identity()
     scan = drawn_scan([(2.0, 0.4, 0.2)], WALL)
-    free, known = nearest_thing(scan, told(scan, at, scan, at))
+    free, known, _ = nearest_thing(scan, told(scan, at, scan, at))
     assert free == 0.0
     assert known == 1.0
 
@@ -55,14 +55,30 @@ def test_somebody_who_stands_is_known() -> None:
 def test_what_was_hidden_is_neither_free_nor_known() -> None:
     at = SE2.identity()
     earlier, now = drawn_scan([(1.0, 0.0, 0.5)], WALL), drawn_scan([(3.0, 0.0, 0.2)], WALL)
-    assert np.array_equal(nearest_thing(now, told(now, at, earlier, at)), (0.0, 0.0))
+    assert np.array_equal(nearest_thing(now, told(now, at, earlier, at)), (0.0, 0.0, 0.0))
 
 
 def test_what_was_not_measured_is_not_free() -> None:
     at = SE2.identity()
     earlier, now = drawn_scan(walls=WALL), drawn_scan([(2.0, 0.0, 0.2)], WALL)
     earlier.ranges[:] = np.nan
-    assert np.array_equal(nearest_thing(now, told(now, at, earlier, at)), (0.0, 0.0))
+    assert np.array_equal(nearest_thing(now, told(now, at, earlier, at)), (0.0, 0.0, 0.0))
+
+
+def test_who_walks_straight_away_has_left_a_place() -> None:
+    at = SE2.identity()
+    earlier, now = drawn_scan([(1.6, 0.0, 0.2)], WALL), drawn_scan([(2.0, 0.0, 0.2)], WALL)
+    free, known, left = nearest_thing(now, told(now, at, earlier, at))
+    assert (free, known) == (0.0, 0.0)
+    assert left == 1.0
+
+
+def test_what_stands_behind_something_that_stands_has_left_nothing() -> None:
+    circles: list[Circle] = [(1.6, 0.3, 0.2), (2.4, 0.0, 0.3)]
+    earlier = drawn_scan(circles, WALL)
+    now_at = SE2(0.4, -0.5, 0.2)
+    now = drawn_scan(circles, WALL, now_at)
+    assert told(now, now_at, earlier, SE2.identity())[:, 2].max() == 0.0
 
 
 @settings(max_examples=60, deadline=None)
@@ -76,4 +92,6 @@ def test_nothing_that_stands_is_ever_where_it_was_free(
     circles: list[Circle] = [(cx, cy, radius), (cx - 0.5, cy + 0.9, 0.1)]
     then, now_at = SE2.identity(), SE2(x, y, yaw)
     earlier, now = drawn_scan(circles, WALL), drawn_scan(circles, WALL, now_at)
-    assert told(now, now_at, earlier, then)[:, 0].max() == 0.0
+    found = told(now, now_at, earlier, then)
+    assert found[:, 0].max() == 0.0
+    assert found[:, 2].max() < 0.5

@@ -27,7 +27,7 @@ def shapes(*rows: tuple[float, float, float]) -> np.ndarray:
 
 def candidates(things: np.ndarray) -> np.ndarray:
     table = np.zeros((50, NUM_CANDIDATE_COLUMNS))
-    num = candidates_of(things, len(things), np.zeros((len(things), 2)), 0.25, 0.85, table)
+    num = candidates_of(things, len(things), np.zeros((len(things), 3)), 0.25, 0.85, table)
     return table[:num]
 
 

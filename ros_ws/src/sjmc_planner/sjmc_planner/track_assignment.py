@@ -14,8 +14,8 @@ import numpy as np
 from sjmc_planner.scan_shapes import BEAMS, HALF, HIDDEN, RANGE, WIDTH, X, Y
 from sjmc_planner.track_filter import distance2
 
-FIRST, SECOND, CX, CY, SD, RADIUS, FREE, KNOWN = range(8)
-NUM_CANDIDATE_COLUMNS = 8
+FIRST, SECOND, CX, CY, SD, RADIUS, FREE, KNOWN, LEFT = range(9)
+NUM_CANDIDATE_COLUMNS = 9
 _GATE2 = 11.8  # chi^2 of two dimensions, 99.7 %
 _REACH = 1.5  # no candidate farther from where it is expected is looked at, m
 _SD_BODY, _SD_HIDDEN, _SD_PAIR, _SD_LEG = 0.05, 0.12, 0.06, 0.22
@@ -33,7 +33,7 @@ def candidates_of(  # type: ignore[no-untyped-def]
     Args:
         shapes: From `scan_shapes`.
         num_shapes: How many of them.
-        told: Which share of each stands where it was free, and where something was, shape (N, 2).
+        told: Which share of each is free, known and left (`seen_free`), shape (N, 3).
         leg_width: What is no wider is a leg, m.
         step: Legs of a pair are no farther apart, m.
         candidates: Output: rows of the columns above.
@@ -79,6 +79,7 @@ def _write(row, shapes, told, i, j, sd, radius):  # type: ignore[no-untyped-def]
     share = shapes[i, BEAMS] / (shapes[i, BEAMS] + shapes[other, BEAMS])
     row[FREE] = share * told[i, 0] + (1.0 - share) * told[other, 0]
     row[KNOWN] = share * told[i, 1] + (1.0 - share) * told[other, 1]
+    row[LEFT] = share * told[i, 2] + (1.0 - share) * told[other, 2]
 
 
 @numba.njit(cache=True, nogil=True)

@@ -11,6 +11,7 @@ from sjmc_planner.track_assignment import (
     FIRST,
     FREE,
     KNOWN,
+    LEFT,
     RADIUS,
     SD,
     SECOND,
@@ -24,13 +25,14 @@ from sjmc_planner.track_filter import WALKS, correct, mix, predict, start
 NUMBER, SIZE, AGE, UNSEEN, HITS, SHAPE_A, SHAPE_B = range(7)
 NUM_INFO = 7
 _STARTS_WALKING = 0.1  # how probable that is of somebody new
-_IS_FREE, _IS_PARTLY_FREE, _IS_KNOWN = 0.5, 0.2, 0.6  # shares of its ends
+_IS_FREE, _IS_PARTLY_FREE, _IS_KNOWN, _IS_LEFT = 0.5, 0.2, 0.6, 0.5  # shares of its ends
 _TOLD_FREE, _TOLD_PARTLY, _TOLD_KNOWN, _TOLD_NOTHING = (
     1.2,
     0.5,
     -0.8,
     -0.2,
 )  # log odds in a tenth of a second
+_TOLD_LEFT = 0.3
 _NEW_UNSEEN_S = 0.25  # somebody new who is not seen for so long was nobody
 _THROUGH_S = 0.35  # nor is somebody there whose place is seen through for so long
 _ACROSS, _BEHIND = 0.2, 0.3  # what has to be free for that, m
@@ -76,8 +78,8 @@ def see(  # type: ignore[no-untyped-def]
         if chosen[t] < 0:
             continue
         c = candidates[chosen[t]]
-        told = _told(c[FREE], c[KNOWN]) * min(10.0 * since, 2.0)
-        is_free = c[FREE] >= _IS_PARTLY_FREE
+        told = _told(c[FREE], c[KNOWN], c[LEFT]) * min(10.0 * since, 2.0)
+        is_free = c[FREE] >= _IS_PARTLY_FREE or c[LEFT] >= _IS_LEFT
         variance = c[SD] ** 2 + (_SD_LATE**2 if is_late[t] else 0.0)
         p_walks[t] = correct(means[t], covs[t], p_walks[t], c[CX], c[CY], variance, told, is_free)
         info[t, UNSEEN] = 0.0
@@ -89,12 +91,14 @@ def see(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def _told(free, known):  # type: ignore[no-untyped-def]
+def _told(free, known, left):  # type: ignore[no-untyped-def]
     """Return what the space that something stands in tells of its moving: log odds."""
     if free >= _IS_FREE:
         return _TOLD_FREE
     if free >= _IS_PARTLY_FREE:
         return _TOLD_PARTLY
+    if left >= _IS_LEFT:
+        return _TOLD_LEFT  # something else may have stood there
     return _TOLD_KNOWN if known >= _IS_KNOWN else _TOLD_NOTHING
 
 
