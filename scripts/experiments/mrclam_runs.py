@@ -113,14 +113,7 @@ def run_filter(
                 _withhold(team, robot, subjects[is_named], bearings[is_named], on_withheld)
             _take(team, track, mode, numbers, (robot, subjects, bearings), stamp_ns)
         if row < len(times) and times[row] == stamp:
-            estimates = team.estimates()
-            track.num_lost += max(located - len(estimates), 0)
-            located = len(estimates)
-            for column, k in enumerate(numbers):
-                if _name(k) in estimates:
-                    estimate = estimates[_name(k)]
-                    track.poses[row, column] = estimate.pose.as_array()
-                    track.covs[row, column] = estimate.cov
+            located = _write(track, row, team, numbers, located)
             row += 1
             if row % 50 == 0:
                 on_progress(row / len(times))
@@ -128,6 +121,18 @@ def run_filter(
         e = team.errors_of(_name(k))
         track.errors[k] = (e.offset, e.scale, e.travel, e.turn, e.curve, e.drag)
     return track
+
+
+def _write(track: Track, row: int, team: TeamFilter, numbers: tuple[int, ...], located: int) -> int:
+    """Write the estimates of an output instant; return how many robots are located."""
+    estimates = team.estimates()
+    track.num_lost += max(located - len(estimates), 0)
+    for column, k in enumerate(numbers):
+        if _name(k) in estimates:
+            estimate = estimates[_name(k)]
+            track.poses[row, column] = estimate.pose.as_array()
+            track.covs[row, column] = estimate.cov
+    return len(estimates)
 
 
 def dead_reckoning(recording: TeamRecording, start: Track, delay: float) -> Track:

@@ -16,6 +16,7 @@ import pytest
 from mrclam_files import DELAY_S, SPEED, write_recording
 
 from experiments.mrclam_measures import errors_of
+from experiments.mrclam_noise import first_half
 from experiments.mrclam_recording import RobotLog, TeamRecording, load_recording
 from experiments.mrclam_runs import Track, dead_reckoning, run_filter
 from experiments.mrclam_triangles import count_triangles
@@ -97,6 +98,16 @@ def test_runs_are_causal(tmp_path: Path) -> None:
     is_before = whole.times <= middle
     assert np.array_equal(whole.poses[is_before], part.poses[is_before], equal_nan=True)
     assert not np.array_equal(whole.poses[-1], part.poses[-1])
+
+
+def test_the_noise_is_chosen_by_what_was_recorded_before_the_middle(tmp_path: Path) -> None:
+    recording = load_recording(write_recording(tmp_path, 10.0), THREE)
+    middle = 0.5 * (recording.start + recording.end)
+    for k, log in first_half(recording).robots.items():
+        for part, all_of_it in ((log.looks, recording.robots[k].looks),
+                                (log.odometry, recording.robots[k].odometry)):  # fmt: skip
+            assert len(part) == np.sum(all_of_it[:, 0] <= middle) < len(all_of_it)
+            assert part[:, 0].max() <= middle
 
 
 def test_a_robot_that_takes_no_part_is_still_seen_by_those_without_names(

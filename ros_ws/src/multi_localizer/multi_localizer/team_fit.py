@@ -118,9 +118,7 @@ def solve(
     )  # fmt: skip
     next_H, next_g = np.zeros((size, size)), np.zeros(size)
     for _ in range(max_steps):
-        damped[:] = H
-        for k in range(size):
-            damped[k, k] += damping * H[k, k]
+        damped[:] = H + damping * np.diag(np.diag(H))
         if not cholesky(damped, L):
             damping = max(10.0 * damping, 1e-4)
             continue
