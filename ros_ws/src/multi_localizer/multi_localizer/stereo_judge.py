@@ -12,11 +12,13 @@ import numba
 import numpy as np
 
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
-from multi_localizer.stereo_refine import Target, fit_scales
+from multi_localizer.stereo_refine import Target, fit_scales, refine
 from multi_localizer.voxel_view import VoxelScene
 
 _RAYS = (2, 3)
 """Columns and rows of rays that a pixel takes the mean of, as what was seen is a mean."""
+
+_POLISH_STEPS = 3
 
 
 def judge(
@@ -38,6 +40,16 @@ def judge(
             costs,
         )
     return costs
+
+
+def polished(
+    scene: VoxelScene, targets: Sequence[Target], poses: np.ndarray, config: StereoLocalizerConfig
+) -> np.ndarray:
+    """Return poses moved to where `judge` finds them best, (N, 3), so that it is fair to all."""
+    fits = refine(
+        scene, targets, poses, config, _POLISH_STEPS, config.judge_color, 1.0, None, _RAYS
+    )
+    return fits.poses
 
 
 def known_part(targets: Sequence[Target]) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from multi_localizer.stereo_hypotheses import covariance, hypotheses_of, judged
-from multi_localizer.stereo_judge import judge, known_part
+from multi_localizer.stereo_judge import judge, known_part, polished
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_pose import StereoPose
 from multi_localizer.stereo_refine import Fits, Target, refine, targets_of
@@ -55,7 +55,12 @@ class StereoLocator:
         fits = fits.joined(again)
         costs = np.concatenate((costs, judge(self._scene, fine, again.poses, c)))
         covs = [covariance(c.evidence * h, c) for h in fits.hessians]
-        found = hypotheses_of(fits.poses, covs, costs, -c.evidence * costs, c)
+        rivals = hypotheses_of(fits.poses, covs, costs, -costs, c)
+        poses = np.array([h.estimate.pose.as_array() for h in rivals])
+        poses = polished(self._scene, fine, poses, c)
+        costs = judge(self._scene, fine, poses, c)
+        covs = [h.estimate.cov for h in rivals]
+        found = hypotheses_of(poses, covs, costs, -c.evidence * costs, c)
         return judged(found, known_part(fine), c)
 
     def _fitted(self, targets: Sequence[Target], poses: np.ndarray) -> Fits:

@@ -117,6 +117,7 @@ def refine(
     color_share: float,
     looseness: float = 1.0,
     prior: Prior | None = None,
+    rays: tuple[int, int] = (1, 1),
 ) -> Fits:
     """Return poses moved to where the views fit best.
 
@@ -129,9 +130,10 @@ def refine(
         color_share: What colors count; distances count the rest.
         looseness: Factor on these errors: more than 1 finds the way from farther off.
         prior: What is known of each pose beforehand.
+        rays: Columns and rows of rays that a pixel of the map's view takes the mean of.
     """
     scales = fit_scales(color_share, len(targets), config, looseness)
-    best = _linearized(scene, targets, poses, scales, prior)
+    best = _linearized(scene, targets, poses, scales, prior, rays)
     damping = np.full(len(poses), _FIRST_DAMPING)
     for _ in range(num_steps):
         curvature = best.hessians + prior.information if prior is not None else best.hessians
@@ -139,7 +141,7 @@ def refine(
         eye = np.eye(3) * (damping[:, None] * diagonal + 1e-12)[:, None, :]
         step = -np.linalg.solve(curvature + eye, best.gradients[..., None])[..., 0]
         step /= np.maximum(np.abs(step) / _LONGEST, 1.0).max(axis=1, keepdims=True)
-        tried = _linearized(scene, targets, best.poses + step, scales, prior)
+        tried = _linearized(scene, targets, best.poses + step, scales, prior, rays)
         better = tried.totals < best.totals
         damping = np.where(better, _LESS * damping, _MORE * damping)
         best = best.where(better, tried)
@@ -181,12 +183,12 @@ class _Linearized:
 
 def _linearized(
     scene: VoxelScene, targets: Sequence[Target], poses: np.ndarray, scales: np.ndarray,
-    prior: Prior | None,
+    prior: Prior | None, rays: tuple[int, int],
 ) -> _Linearized:  # fmt: skip
     around = (poses[:, None] + _SIDES).reshape(-1, 3)
     num, sums = len(poses), np.zeros((len(poses), 10))
     for target in targets:
-        color, distance = scene.render(around, target.camera, target.size)
+        color, distance = scene.render(around, target.camera, target.size, rays)
         shape = (num, len(_SIDES), *target.weight.shape)
         scene.share(
             num, normal_equations, color.reshape(*shape, 3), distance.reshape(shape),

@@ -18,7 +18,7 @@ import numpy as np
 from floornav_common.se2 import SE2
 from multi_localizer.pose_estimate import propagate
 from multi_localizer.stereo_hypotheses import covariance, hypotheses_of, judged
-from multi_localizer.stereo_judge import judge, known_part
+from multi_localizer.stereo_judge import judge, known_part, polished
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_locator import COARSE, FINE
 from multi_localizer.stereo_pose import StereoHypothesis, StereoPose, StereoState
@@ -97,13 +97,16 @@ class StereoTracker:
         coarse, fine = (targets_of(views, self._cameras, size, c) for size in (COARSE, FINE))
         near = refine(self._scene, coarse, poses, c, _ROUGH_STEPS, c.fit_color, _LOOSE, prior)
         fits = refine(self._scene, fine, near.poses, c, _STEPS, c.fit_color, 1.0, prior)
-        costs = judge(self._scene, fine, fits.poses, c)
+        poses = fits.poses
+        if len(poses) > 1:
+            poses = polished(self._scene, fine, poses, c)
+        costs = judge(self._scene, fine, poses, c)
         covs = [
             covariance(k + new * c.evidence * h, c)
             for k, h in zip(known, fits.hessians, strict=True)
         ]
         shares = np.log(np.maximum([h.share for h in moved], c.least_share))
-        found = hypotheses_of(fits.poses, covs, costs, shares - new * c.evidence * costs, c)
+        found = hypotheses_of(poses, covs, costs, shares - new * c.evidence * costs, c)
         return judged(found, known_part(fine), c)
 
 
