@@ -3,7 +3,7 @@ import pytest
 from voxel_rooms import CAMERAS, room, views_at
 
 from floornav_common.se2 import SE2
-from multi_localizer.stereo_judge import judge, known_part
+from multi_localizer.stereo_judge import judge, known_part, polished
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_refine import Prior, refine, targets_of
 from multi_localizer.voxel_view import VoxelScene
@@ -83,3 +83,11 @@ def test_where_nothing_is_known_distances_can_cost_nothing(scene):
     targets = targets_of(views, CAMERAS, (80, 8), CONFIG)
     assert known_part(targets) == 0.0
     assert judge(scene, targets, away((0, 0, 0)), CONFIG)[0] < 0.1
+
+
+def test_polishing_ends_where_judging_finds_no_better(scene, targets):
+    starts = np.concatenate([away((0.01, 0.0, 0.0)), away((0.0, -0.01, 0.005))])
+    poses = polished(scene, targets, starts, CONFIG)
+    costs = judge(scene, targets, poses, CONFIG)
+    assert (costs < judge(scene, targets, starts, CONFIG)).all()
+    assert costs == pytest.approx(judge(scene, targets, away((0, 0, 0)), CONFIG)[0], abs=0.005)
