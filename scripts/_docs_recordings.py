@@ -17,6 +17,7 @@ from _docs_pictures import write_small
 from floornav_common.reporting import say, write_atomic
 from floornav_common.se2 import SE2
 from grid_mapper.recordings import ScanEvent, open_recording
+from grid_mapper.recordings.carmen_lines import parse_robotlaser
 from grid_mapper.recordings.ordering import seconds_to_ns
 from grid_mapper.recordings.text_lines import read_lines
 from grid_mapper.relations import load_relations, relation_errors
@@ -51,6 +52,10 @@ class Shown:
 SHOWN = (
     Shown("intel-lab", "intel-lab/intel_keyframes_rawodom_corrected.log.gz",
           relations="intel-lab/intel.relations.gz"),
+    Shown("intel-lab-dense", "intel-lab/intel_posegraph.log.gz",
+          relations="intel-lab/intel.relations.gz"),
+    Shown("fr079-graph", "fr079/fr079_posegraph.log.gz",
+          relations="fr079/fr079.relations.gz"),
     Shown("fr079", "fr079/fr079_corrected.log.gz", ("--no-odom",),
           relations="fr079/fr079.relations.gz", offset_s=1211.45, tolerance_s=0.1),
     Shown("wean-hall-1", "wean-hall/robotdata1.log.gz"),
@@ -62,12 +67,18 @@ SHOWN = (
     Shown("neato_drive_square", "rosbag2/neato_drive_square"),
 )  # fmt: skip
 
+NO_LOOPS = "loop_closing: false\n"
 SONARS = Shown("sonar8-mapping", "sonar8-mapping")
 """A recording without a laser: only its picture is shown, in map-glass.md."""
 
 RUN_HEAD = (
     "| recording | scans | mapped | not trusted | way, m | way by odometry, m |"
     " ms a scan: median | p99 | memory, MB |\n" + "| --- " * 9 + "|\n"
+)
+LOOP_HEAD = (
+    "| recording | nodes | loops closed | refused | ms a scan at most | times real time |\n"
+    + "| --- " * 6
+    + "|\n"
 )
 RELATION_HEAD = (
     "| recording: poses | relations matched | of them over a minute apart |"
@@ -77,26 +88,37 @@ RELATION_HEAD = (
 
 
 def make_recordings(docs: Path, data: Path) -> None:
-    """Map every recording that is there; write its picture and its rows."""
-    runs: dict[str, str] = {}
-    relations: dict[str, str] = {}
+    """Map every recording that is there; write its picture and its rows as soon as it is mapped."""
     for shown in SHOWN:
         if not (data / shown.path).exists():
             say(f"passed over, not there: {data / shown.path}")
             continue
         with tempfile.TemporaryDirectory() as folder:
-            out = Path(folder) / "map"
-            summary = map_recording(shown, data, out)
-            write_small(out / "map.png", docs / "pictures" / f"{shown.name}.png")
-            runs[shown.name] = _run_row(shown, data, summary)
-            if shown.relations:
-                relations |= _relation_rows(shown, data, out)
+            make_recording(shown, docs, data, Path(folder))
     make_sonar_picture(docs, data)
-    page = docs / "recordings.md"
+
+
+def make_recording(shown: Shown, docs: Path, data: Path, folder: Path) -> None:
+    """Map one recording, and write its picture and its rows.
+
+    Args:
+        shown: The recording.
+        docs: Folder of the pages.
+        data: Folder of the recordings.
+        folder: For the results of the runs.
+    """
+    page, out = docs / "recordings.md", folder / "map"
+    summary = map_recording(shown, data, out)
+    relations: dict[str, str] = {}
+    if shown.relations:
+        map_recording(shown, data, folder / "open", NO_LOOPS)
+        relations = _relation_rows(shown, data, out, folder / "open")
+    write_small(out / "map.png", docs / "pictures" / f"{shown.name}.png")
     text = page.read_text(encoding="utf-8")
-    text = with_table(text, "runs", RUN_HEAD, runs)
+    text = with_table(text, "runs", RUN_HEAD, {shown.name: _run_row(shown, data, summary)})
+    text = with_table(text, "loops", LOOP_HEAD, {shown.name: _loop_row(shown, summary)})
     write_atomic(page, with_table(text, "relations", RELATION_HEAD, relations))
-    say(f"written: {page}")
+    say(f"written: {page}, {shown.name}")
 
 
 def make_sonar_picture(docs: Path, data: Path) -> None:
@@ -110,9 +132,20 @@ def make_sonar_picture(docs: Path, data: Path) -> None:
         write_small(out / "map.png", docs / "pictures" / f"{SONARS.name}.png")
 
 
-def map_recording(shown: Shown, data: Path, out: Path) -> dict[str, Any]:
-    """Run the mapping command as a user does; return its summary."""
+def map_recording(shown: Shown, data: Path, out: Path, config: str = "") -> dict[str, Any]:
+    """Run the mapping command as a user does; return its summary.
+
+    Args:
+        shown: The recording.
+        data: Folder of the recordings.
+        out: Folder for the results.
+        config: Text of a parameter file; "" for none.
+    """
     words = [sys.executable, str(MAP_BAG), str(data / shown.path), *shown.options]
+    if config:
+        given = out.with_suffix(".yaml")
+        given.write_text(config, encoding="utf-8")
+        words += ["--config", str(given)]
     if shown.relations:
         words += ["--relations", str(data / shown.relations)]
         words += ["--relations-offset", str(shown.offset_s)]
@@ -149,12 +182,22 @@ def _run_row(shown: Shown, data: Path, s: dict[str, Any]) -> str:
     return _row(cells)
 
 
-def _relation_rows(shown: Shown, data: Path, out: Path) -> dict[str, str]:
-    """Return the rows of a recording: ours, its odometry's, and the published poses'."""
+def _loop_row(shown: Shown, s: dict[str, Any]) -> str:
+    refused = sum(s["loops_refused"].values())
+    times = f"{s['ms_max']:.0f}", f"{s['real_time_factor']:.1f}"
+    return _row([shown.name, s["nodes"], s["loops"], refused, *times])
+
+
+def _relation_rows(shown: Shown, data: Path, out: Path, open_loops: Path) -> dict[str, str]:
+    """Return the rows of a recording: ours with and without loops, odometry, published poses."""
     published = _published_poses(data / shown.path)
-    trajectories: dict[str, Trajectory] = {"grid_mapper": load_tum(out / "trajectory.tum")}
+    trajectories: dict[str, Trajectory] = {
+        "grid_mapper": load_tum(out / "trajectory.tum"),
+        "without closing loops": load_tum(open_loops / "trajectory.tum"),
+    }
     if "--no-odom" not in shown.options:
-        trajectories["raw odometry"] = _odometry(data / shown.path)
+        name = "chain of edges" if "posegraph" in shown.path else "raw odometry"
+        trajectories[name] = _odometry(data / shown.path)
     trajectories["published, corrected"] = published
     rows = {}
     for poses, trajectory in trajectories.items():
@@ -186,13 +229,19 @@ def _odometry(path: Path) -> list[tuple[int, SE2]]:
 
 
 def _published_poses(path: Path) -> list[tuple[int, SE2]]:
-    """Return the corrected pose of each FLASER line: the first after its ranges."""
+    """Return the corrected poses: the first of a FLASER line, or of each VERTEX2 with a scan."""
     poses = []
+    vertex = SE2.identity()
     for line in read_lines(path, say):
         words = line.split()
-        if words and words[0] == "FLASER":
+        kind = words[0] if words else ""
+        if kind == "FLASER":
             after = words[2 + int(words[1]) :]
             poses.append((seconds_to_ns(after[6]), SE2(*(float(w) for w in after[:3]))))
+        elif kind == "VERTEX2":
+            vertex = SE2(*(float(w) for w in words[2:5]))
+        elif kind == "ROBOTLASER1":
+            poses.append((parse_robotlaser(words).stamp_ns, vertex))
     return poses
 
 

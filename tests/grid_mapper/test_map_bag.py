@@ -251,10 +251,29 @@ def test_ctrl_c_leaves_the_results_so_far_marked_partial(tmp_path):
 def test_the_intel_lab_comes_out_far_better_than_its_odometry(tmp_path):
     log = data_file("intel-lab/intel_keyframes_rawodom_corrected.log.gz")
     relations = data_file("intel-lab/intel.relations.gz")
-    assert run(log, "--relations", relations, "--out", tmp_path / "out", "--quiet") == 0
+    words = ("--relations", relations, "--max-scans", "200", "--out", tmp_path / "out", "--quiet")
+    assert run(log, *words) == 0
     summary = summary_of(tmp_path / "out")
-    assert summary["relations_used"] == 108
-    assert summary["relations_trans_m"] < 0.5  # raw odometry: 4.09 m
+    assert (summary["relations_used"], summary["scans_used"]) == (13, 200)
+    assert summary["relations_trans_m"] < 0.1  # raw odometry: 0.765 m
+    assert summary["loops"] > 20 and summary["nodes"] <= 200
+
+
+def test_without_closing_loops_nothing_is_said_of_them(tmp_path, capsys):
+    bag, config = room_bag(tmp_path / "room"), tmp_path / "config.yaml"
+    config.write_text("loop_closing: false\n")
+    assert run(bag, "--config", config, "--out", tmp_path / "out") == 0
+    summary = summary_of(tmp_path / "out")
+    assert summary["loops"] is None and summary["loops_refused"] is None
+    assert "loops closed" not in capsys.readouterr().out
+
+
+def test_without_the_solver_nothing_is_mapped_and_the_cure_is_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "gtsam", None)
+    bag = room_bag(tmp_path / "room")
+    with pytest.raises(UserError, match="gtsam"):
+        main([str(bag), "--out", str(tmp_path / "out")])
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_pane_that_only_a_sonar_hears_is_in_the_map_and_in_layers_of_its_own(tmp_path, capsys):

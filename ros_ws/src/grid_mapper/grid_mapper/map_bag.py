@@ -50,9 +50,9 @@ def main(argv: list[str] | None = None) -> int:
             say("\n".join(describe_recording(args.recording, options)))
             return 0
         inputs = _inputs(args)
-        recording = open_recording(args.recording, options)
         if config.loop_closing:
             load_solver()
+        recording = open_recording(args.recording, options)
     except (RecordingError, ValueError, OSError) as error:
         raise UserError(" ".join(str(error).split())) from error
     for line in recording.info:
