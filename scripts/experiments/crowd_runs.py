@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from experiments.crowd_scenes import ROBOT, SCENES, Scene, recorded
+from experiments.crowd_recorded import recorded
+from experiments.crowd_scenes import ROBOT, SCENES, Scene
 from experiments.planner_drives import Course, drive_course
 from experiments.planner_judge import Drive
 from experiments.planner_peers import PEERS

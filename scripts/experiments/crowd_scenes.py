@@ -1,23 +1,21 @@
-"""Where the crowd experiment drives: a corridor, a doorway, a living room, a crossing; recordings.
+"""Where the crowd experiment drives: a corridor, a doorway, a living room, a crossing.
 
 People, robot and goals of a run follow from its seed. People are those of `sim_bridge`: they keep
 clear of walls and of each other, notice the robot late or never (one in ten), and step aside or
-not. Recorded people are replayed and see nothing of the robot.
+not.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from floornav_common.se2 import SE2
 from sim_bridge.people.obstacles import Obstacles
 from sim_bridge.people.people import drawn_walkers
-from sim_bridge.people.recorded import read_obsmat
-from sim_bridge.people.schema import Crowd, Point, Recording, WalkerPlan
+from sim_bridge.people.schema import Crowd, Point, WalkerPlan
 from sim_bridge.solids import solids_of
 from sim_bridge.world import Column, Door, Furniture, RobotPlacement, Wall, World
 from sjmc_planner.config import RobotConfig
@@ -30,7 +28,6 @@ ROBOT = RobotConfig(
     idle_time_s=0.1,
 )  # fmt: skip
 NEVER_SHARE = 0.1
-_APPEARS = 3.0  # nobody begins to be recorded nearer to a robot that drives straight, m
 _LEVEL, _ASIDE = 0.3, 1.5  # where a drive is over, before and beside its goal, m
 _APART = 0.7  # people at the start from each other, m
 
@@ -73,7 +70,7 @@ def corridor(seed: int) -> Scene:
         plans.append(_walker(rng, k, ((x, y), end)))
     walls = (_wall(-5.0, -1.5, 22.0, -1.5), _wall(-5.0, 1.5, 22.0, 1.5),
              _wall(-5.0, -1.5, -5.0, 1.5), _wall(22.0, -1.5, 22.0, 1.5))  # fmt: skip
-    return _scene("corridor", plans, (1.0, 0.0), (12.0, 0.0), walls=walls)
+    return scene_with("corridor", plans, (1.0, 0.0), (12.0, 0.0), walls=walls)
 
 
 def doorway(seed: int) -> Scene:
@@ -91,7 +88,7 @@ def doorway(seed: int) -> Scene:
     door = Wall(from_m=(0.0, -3.0), to_m=(0.0, 3.0), doors=(Door(at_m=3.0, width_m=1.6),))
     start, goal = float(rng.uniform(-0.8, 0.8)), float(rng.uniform(-0.8, 0.8))
     walls = (*_room(-6.0, -3.0, 6.0, 3.0), door)
-    return _scene("doorway", plans, (-4.5, start), (4.0, goal), walls=walls)
+    return scene_with("doorway", plans, (-4.5, start), (4.0, goal), walls=walls)
 
 
 def crossing(seed: int) -> Scene:
@@ -105,7 +102,9 @@ def crossing(seed: int) -> Scene:
         path = ((x, 5.0 * side), (x + float(rng.uniform(-1.5, 1.5)), -5.0 * side))
         waits = max(0.0, there - 5.0 / speed)
         plans.append(_walker(rng, k, path, starts_s=waits, speed_m_s=speed))
-    return _scene("crossing", plans, (0.0, 0.0), (11.5, 0.0), walls=_room(-2.0, -6.0, 14.0, 6.0))
+    return scene_with(
+        "crossing", plans, (0.0, 0.0), (11.5, 0.0), walls=_room(-2.0, -6.0, 14.0, 6.0)
+    )
 
 
 def living_room(seed: int) -> Scene:
@@ -120,7 +119,7 @@ def living_room(seed: int) -> Scene:
         Column(name="high table", center_m=(3.6, 2.2), radius_m=0.45, height_m=1.1),
         Column(name="floor lamp", center_m=(5.6, 4.7), radius_m=0.12, height_m=1.6),
     )
-    scene = _scene("living room", [], (0.9, 2.8), (6.1, 2.8), walls=_room(0.0, 0.0, 7.0, 5.5),
+    scene = scene_with("living room", [], (0.9, 2.8), (6.1, 2.8), walls=_room(0.0, 0.0, 7.0, 5.5),
                    boxes=boxes, columns=columns)  # fmt: skip
     crowd = Crowd(num=3, low_m=(1.9, 1.2), high_m=(6.4, 4.8), num_goals=5, free_m=0.45)
     plans = []
@@ -136,71 +135,6 @@ def living_room(seed: int) -> Scene:
 SCENES = {
     "corridor": corridor, "doorway": doorway, "living_room": living_room, "crossing": crossing
 }  # fmt: skip
-
-
-def recorded(path: Path, frames_per_s: float, seed: int) -> Scene:
-    """Return a drive through recorded people: across their main way, or along it, in turns.
-
-    Args:
-        path: Of the `obsmat` file.
-        frames_per_s: Frames of its video in a second.
-        seed: Of when and where it sets out: nobody comes near its start in the first 2 s, and
-            somebody would come within 1 m of a robot that drove straight on, and nobody begins to
-            be recorded within 3 m of that.
-    """
-    rng = np.random.default_rng([seed, 5])
-    rows = read_obsmat(path)
-    low, high = np.percentile(rows[:, 2:], (3.0, 97.0), axis=0)
-    is_along = bool(seed % 2)
-    times = rows[:, 0] / frames_per_s
-    for _ in range(10_000):
-        start, goal = _ends(rng, low, high, is_along)
-        at = float(rng.uniform(times.min(), max(times.max() - 60.0, times.min() + 1.0)))
-        if _is_fair(times - at, rows[:, 1], rows[:, 2:], start, goal):
-            break
-    recording = Recording(file=str(path), frames_per_s=frames_per_s, starts_s=at)
-    scene = _scene(path.parent.name or path.stem, [], tuple(start), tuple(goal))
-    return Scene(replace(scene.world, recorded_people=recording), scene.goal, False)
-
-
-def _is_fair(
-    times: np.ndarray, numbers: np.ndarray, places: np.ndarray, start: np.ndarray, goal: np.ndarray
-) -> bool:
-    """Tell whether a drive meets somebody, and nobody begins to be recorded right before it.
-
-    Args:
-        times: Of all rows, from when the robot sets out, shape (N,), s.
-        numbers: Whose they are, shape (N,).
-        places: Where they are, shape (N, 2), m.
-        start: Of the robot, shape (2,), m.
-        goal: Of the robot, shape (2,), m.
-    """
-    is_soon = (times > -0.5) & (times < 2.0)
-    if np.hypot(*(places[is_soon] - start).T).min(initial=math.inf) < 1.3:
-        return False
-    length = float(np.hypot(*(goal - start)))
-    share = np.clip(times[:, None] * ROBOT.speed_m_s / length, 0.0, 1.0)
-    off = np.hypot(*(places - (start + share * (goal - start))).T)
-    is_then = (times > 2.0) & (times < length / ROBOT.speed_m_s)
-    if off[is_then].min(initial=math.inf) >= 1.0:
-        return False
-    firsts = np.unique(numbers, return_index=True)[1]
-    appears = firsts[(times[firsts] > 0.0) & (times[firsts] < 2.0 * length / ROBOT.speed_m_s)]
-    return bool(off[appears].min(initial=math.inf) > _APPEARS)
-
-
-def _ends(
-    rng: np.random.Generator, low: np.ndarray, high: np.ndarray, is_along: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return where a drive through a region begins and ends, along its longer side or across."""
-    size = high - low
-    ahead = int(np.argmax(size)) if is_along else int(np.argmin(size))
-    middle = low + rng.uniform(0.3, 0.7, 2) * size
-    half = 0.5 * min(max(float(size[ahead]), 8.0), 11.0)
-    middle[ahead] = 0.5 * (low + high)[ahead]
-    off = np.zeros(2)
-    off[ahead] = half * float(rng.choice([-1.0, 1.0]))
-    return middle - off, middle + off
 
 
 def _places(
@@ -231,11 +165,12 @@ def _never_notices(rng: np.random.Generator) -> bool:
     return bool(rng.random() < NEVER_SHARE)
 
 
-def _scene(
+def scene_with(
     name: str, plans: list[WalkerPlan], start: Point, goal: Point, *,
     walls: tuple[Wall, ...] = (), boxes: tuple[Furniture, ...] = (),
     columns: tuple[Column, ...] = (),
 ) -> Scene:  # fmt: skip
+    """Return a scene whose robot starts facing its goal."""
     yaw = math.degrees(math.atan2(goal[1] - start[1], goal[0] - start[0]))
     robot = RobotPlacement(model=ROBOT_MODEL, position_m=start, yaw_deg=yaw)
     world = World(name=name, walls=walls, boxes=boxes, columns=columns, robots=(robot,))

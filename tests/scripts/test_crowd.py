@@ -13,8 +13,9 @@ import pytest
 pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
 
 from experiments import crowd, crowd_runs
+from experiments.crowd_recorded import recorded
 from experiments.crowd_runs import Outcome, Task, beside, figures, run_task
-from experiments.crowd_scenes import ROBOT, SCENES, recorded
+from experiments.crowd_scenes import ROBOT, SCENES
 from floornav_common.reporting import UserError
 from floornav_common.se2 import SE2
 from sim_bridge.robot_model import load_robot
