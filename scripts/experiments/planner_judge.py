@@ -2,8 +2,8 @@
 
 Distances to people are from the robot's outline to the circle of the torso. A contact is the
 engine's (legs that step out included) or an outline that reaches the torso; one with a person is
-the robot's own doing if it moves faster than 0.05 m/s and the person is ahead of its middle, or it
-moves towards the person.
+the robot's own doing if it moves faster than 0.05 m/s and the person is in the half plane that it
+moves to: ahead of its middle when it drives, behind it when it backs.
 """
 
 from __future__ import annotations
@@ -248,4 +248,4 @@ def is_by_robot(outline: np.ndarray, place: np.ndarray, velocity: tuple[float, f
     if math.hypot(*velocity) <= MOVING:
         return False
     off = place - (outline.min(axis=0) + outline.max(axis=0)) / 2.0
-    return bool(off[0] > 0.0 or off @ np.array(velocity) > 0.0)
+    return bool(off @ np.array(velocity) > 0.0)

@@ -61,6 +61,7 @@ _MOST = 24  # courses looked along with each
 _SLOW, _HELD = 0.03, 0.1  # m/s
 _KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
 _NO_GAP = 1e-6
+_STUCK_S, _BACK = 1.0, -0.15  # after this long without a course it backs, m/s
 _CREEP = 0.2
 _SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
 
@@ -107,6 +108,7 @@ class Sjmc:
         self._side = 0
         self._behind = 0.0
         self._has_minded = False
+        self._stuck_s = 0.0
 
     def decide(
         self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
@@ -125,7 +127,11 @@ class Sjmc:
             self._patience.judge(int(scene.number[ahead.who]))
             is_judged[ahead.who] = True
             moment = self._moment(state, goal, scene, is_judged)
-        decision = self._on_course(moment) or self._around(moment) or self._stuck(moment)
+        decision = self._on_course(moment) or self._around(moment)
+        if decision is not None:
+            self._stuck_s = 0.0
+        else:
+            decision = self._stuck(moment)
         return self._with_debug(decision, moment) if has_debug else decision
 
     def _is_not_yielding(self, ahead: InTheWay, scene: Scene) -> bool:
@@ -234,7 +240,18 @@ class Sjmc:
         if speed > _SLOW and not moment.is_blind:
             return Decision(self._command(moment.goal.bearing, speed), BLOCKED, reason)
         is_still = moment.state.velocity.speed < _SLOW
+        self._stuck_s += self._cycle.period
+        if self._stuck_s > _STUCK_S and self._may_back(moment):
+            return Decision(Velocity(_BACK, 0.0, 0.0), BACKING, reason)
         return Decision(STILL, BLOCKED if is_still else BRAKING, reason)
+
+    def _may_back(self, moment: _Moment) -> bool:
+        """Tell whether it may back out of where it is stuck, on the way that it came."""
+        if self._behind <= 0.0 or self._unicycle is None:
+            return False
+        now, scene = moment.state.velocity, moment.scene
+        seen = self._foresight.look(now, 0.0, _BACK, self._cycle.period, scene.solids, scene.people)
+        return self._is_clear(seen, moment)
 
     def _turned(self, course: float, moment: _Moment) -> Decision:
         """Return how to face a course that was seen, from one that was not: stand, then turn."""

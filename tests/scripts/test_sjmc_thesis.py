@@ -1,0 +1,83 @@
+"""Figures of the SJMC thesis's experiments from drives made by hand."""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+import pytest
+
+from experiments import sjmc_thesis
+from experiments.sjmc_thesis_drives import CROSSING, PUBLISHED, STANDING, STATIC, Outcome, Task
+from experiments.sjmc_thesis_figures import (
+    response_rows,
+    stable_rows,
+    static_figures,
+    straight_rows,
+)
+
+
+def outcome(**changes) -> Outcome:
+    values = {
+        "is_done": True, "time_s": 10.0, "path_m": 6.0, "is_straight": True, "contacts": 0,
+        "by_robot": 0, "min_gap_m": 0.5, "heading_changes": 0, "waited_s": 0.0, "has_moved": True,
+        "track": np.zeros((2, 4)), "people": np.zeros((2, 3)), **changes,
+    }  # fmt: skip
+    return Outcome(**values)
+
+
+def test_times_against_c_are_means_of_those_that_got_past() -> None:
+    done = {
+        Task(STATIC, PUBLISHED, k, 0, distance=4.7, response=2.7, danger=2.0): outcome(
+            time_s=time, is_done=time < 50.0
+        )
+        for k, time in enumerate((10.0, 12.0, 60.0))
+    }
+    done[Task(STATIC, PUBLISHED, 0, 0, distance=4.7, response=2.7, danger=1.9)] = outcome()
+    (row,) = response_rows(done, danger=2.0)
+    assert (row["c"], row["time_s"], row["runs"]) == (2.7, 11.0, 3)
+
+
+def test_the_ratio_is_of_mean_times_and_the_peer_is_held_to_its_own() -> None:
+    done = {
+        Task(STATIC, "sjmc", 0, 0, distance=2.7): outcome(time_s=6.0),
+        Task(STATIC, "vfh_plus", 0, 0, distance=2.7): outcome(time_s=8.0, path_m=8.33),
+    }
+    figures = static_figures(done)["start_2.7_m"]
+    assert figures["ratio"] == pytest.approx(0.75)
+    assert figures["vfh_plus_allowed_s"] == pytest.approx(1.1 * (8.33 / 0.833 + 1.0))
+    assert figures["published_ratio"] is None
+
+
+def test_straight_is_a_share_and_contacts_are_runs() -> None:
+    done = {
+        Task(CROSSING, "sjmc", k, 0, distance=1.3): outcome(
+            is_straight=k != 0, contacts=2 * (k == 1), min_gap_m=0.1 * k
+        )
+        for k in range(4)
+    }
+    (row,) = straight_rows(done)
+    assert (row["success"], row["contacts"], row["runs"]) == (0.75, 1, 4)
+    assert row["clear"] == 0.5 and row["min_gap_m"] == 0.0
+
+
+def test_who_does_not_yield_is_passed_whatever_the_course() -> None:
+    done = {
+        Task(STANDING, "sjmc", 0, 0, is_yielding=yields): outcome(is_straight=False)
+        for yields in (True, False)
+    }
+    rows = stable_rows(done, STANDING, "sjmc")
+    assert rows["yielding"]["success"] == 0.0 and rows["unyielding"]["success"] == 1.0
+    none = stable_rows(done, STANDING, "vfh_plus")["yielding"]
+    assert none["success"] is None and none["runs"] == 0
+
+
+def test_every_part_has_its_drives_and_each_only_once() -> None:
+    args = argparse.Namespace(seed=0, runs=2, quick=False, parts=list(sjmc_thesis.PARTS))
+    tasks = sjmc_thesis.tasks_of(args)
+    assert len(tasks) == len(set(tasks))
+    assert {t.kind for t in tasks} == {"static", "crossing", "standing", "oncoming", "hall"}
+    args.parts = ["crossing"]
+    crossing = sjmc_thesis.tasks_of(args)
+    assert len(crossing) == 2 * 3 * len(sjmc_thesis.DISTANCES)
+    assert {t.kind for t in crossing} == {CROSSING}
