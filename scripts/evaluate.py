@@ -25,6 +25,7 @@ from floornav_common.reporting import (  # noqa: E402
 
 EXPERIMENTS = {
     "laser-drives": "drift on simulated drives: full rate, key scans, slip, a bare corridor",
+    "loop-drives": "laps round a simulated corridor before and after closing loops; false loops",
     "sensor-models": "simulated sensors beside what their settings promise",
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
     "free-space-odometry": "kiss-icp on free space that a camera saw, along a driven route: drift",

@@ -51,6 +51,25 @@ def corridor_loop(num_beams: int, fov_rad: float, seed: int, num_scans: int = NU
     return Drive(scans, truth)
 
 
+def ring_laps(num_beams: int, fov_rad: float, seed: int, num_scans: int, laps: int = 2) -> Drive:
+    """Make a drive of several laps, each up to 0.4 m beside the middle of the corridor.
+
+    Args:
+        num_beams: Beams a scan.
+        fov_rad: Angle from first to last beam; a full turn leaves out the repeated beam.
+        seed: Of the furniture, the ways and the noise.
+        num_scans: Scans a lap.
+        laps: How often round.
+    """
+    rng = np.random.default_rng(seed)
+    walls = _plan(rng)
+    truth: list[SE2] = []
+    for _ in range(laps):
+        beside = SE2(0.0, float(rng.uniform(-0.4, 0.4)), 0.0)
+        truth += [pose @ beside for pose in _path(num_scans)[:-1]]
+    return Drive([_scan(walls, pose, num_beams, fov_rad, rng) for pose in truth], truth)
+
+
 def ray_cast(origin: np.ndarray, angles: np.ndarray, walls: np.ndarray) -> np.ndarray:
     """Return the distance to the nearest wall along each direction.
 
