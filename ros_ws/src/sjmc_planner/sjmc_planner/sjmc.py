@@ -16,7 +16,7 @@ and t_avoid of eq. 3.5 and 3.7, per person. Beyond it:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,7 +32,6 @@ from sjmc_planner.planning import (
     STILL,
     TURNING,
     WAITING,
-    Debug,
     Decision,
     Goal,
     Obstacles,
@@ -40,21 +39,21 @@ from sjmc_planner.planning import (
     Velocity,
 )
 from sjmc_planner.sjmc_config import SjmcConfig
-from sjmc_planner.sjmc_course import courses, preferred
+from sjmc_planner.sjmc_course import preferred
+from sjmc_planner.sjmc_moment import Moment, MomentReader
 from sjmc_planner.sjmc_people import (
     InTheWay,
     Patience,
     bystander_in_reach,
     people_in_the_way,
 )
-from sjmc_planner.sjmc_region import box_of, free_ways
+from sjmc_planner.sjmc_region import box_of
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_room import make_room
 from sjmc_planner.sjmc_scene import Scene, SceneReader
 from sjmc_planner.tracking_config import TrackingConfig
 from sjmc_planner.unicycle_motion import Unicycle
 
-_WIDEST = math.radians(120.0)
 _SHARES = (1.0, 0.75, 0.5, 0.3, 0.15)  # of a course's speed, tried in turn
 _LOOKS = (1.0, 0.5, 0.25)  # of look_m
 _MOST = 24  # courses looked along with each
@@ -63,25 +62,6 @@ _KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
 _NO_GAP = 1e-6
 _STUCK_S, _BACK = 1.0, -0.15  # after this long without a course it backs, m/s
 _CREEP = 0.2
-_SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
-
-
-@dataclass(frozen=True)
-class _Moment:
-    """All that one decision goes by."""
-
-    state: RobotState
-    goal: Goal
-    scene: Scene
-    is_judged: np.ndarray
-    bearings: np.ndarray
-    free: np.ndarray
-    fastest: float
-    is_blind: bool
-    now: Foreseen
-    near: np.ndarray
-    people: np.ndarray
-    braked: Foreseen
 
 
 class Sjmc:
@@ -103,6 +83,7 @@ class Sjmc:
         self._delay = robot.idle_time_s + cycle.period
         self._scenes = SceneReader(tracking, config.person_width_m, cycle.unseen_gap, cycle.period)
         self._foresight = Foresight(robot, self._box, self._delay, config.horizon_s)
+        self._moments = MomentReader(robot, config, self._box, self._foresight, self._delay)
         self._patience = Patience(config, cycle.period)
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
         self._side = 0
@@ -121,18 +102,19 @@ class Sjmc:
         self._patience.mind(self._has_minded)
         self._has_minded = False
         is_judged = self._patience.begin(scene, goal.bearing)
-        moment = self._moment(state, goal, scene, is_judged)
+        moment = self._moments.of(state, goal, scene, is_judged)
         ahead = self._in_the_way(goal.bearing, moment)
         if self._is_not_yielding(ahead, scene):
             self._patience.judge(int(scene.number[ahead.who]))
             is_judged[ahead.who] = True
-            moment = self._moment(state, goal, scene, is_judged)
+            moment = self._moments.of(state, goal, scene, is_judged)
         decision = self._on_course(moment) or self._around(moment)
         if decision is not None:
             self._stuck_s = 0.0
         else:
             decision = self._stuck(moment)
-        return self._with_debug(decision, moment) if has_debug else decision
+        debug = self._moments.debug(moment, decision.command) if has_debug else None
+        return decision if debug is None else replace(decision, debug=debug)
 
     def _is_not_yielding(self, ahead: InTheWay, scene: Scene) -> bool:
         if ahead.who < 0 or scene.is_moving[ahead.who]:
@@ -140,46 +122,7 @@ class Sjmc:
         config = self._config
         return ahead.distance <= config.danger_m or ahead.bound <= config.end_m_s
 
-    def _moment(
-        self, state: RobotState, goal: Goal, scene: Scene, is_judged: np.ndarray
-    ) -> _Moment:
-        """Return what is known, with how far each course is free of what does not yield."""
-        config, robot = self._config, self._robot
-        bearings = courses(goal.bearing, config.course_step_rad, _WIDEST)
-        is_solid = (is_judged | self._is_beside(goal.bearing, scene)) & ~scene.is_moving
-        points = np.concatenate((scene.things, scene.people[is_solid, :2]))
-        radii = np.zeros(len(points))
-        radii[len(scene.things) :] = scene.people[is_solid, 4] + config.clearance_m
-        free = free_ways(bearings, points, radii, self._box.front, self._half)
-        free[free + self._box.front > self._reach(goal)] = np.inf
-        looked = robot.radius_m, _SEEN_M
-        free[scene.ends.unseen(bearings, *looked)] = 0.0
-        heading = np.zeros(1) if self._unicycle is not None else bearings[:1]
-        is_blind = bool(scene.ends.unseen(heading, *looked)[0])
-        room = min(goal.distance, scene.ends.horizon - self._box.front)
-        fastest = min(robot.speed_m_s, stopping_speed(room, robot.accel_m_s2, self._delay))
-        now = self._foresight.gaps(scene.solids, scene.people)
-        near = self._foresight.within_reach(state.velocity, fastest, scene.solids)
-        people = self._foresight.may_meet(state.velocity, fastest, scene.people)
-        braked = self._foresight.look(state.velocity, 0.0, 0.0, 0.0, near, people)
-        return _Moment(
-            state, goal, scene, is_judged, bearings, free, fastest, is_blind, now, near, people,
-            braked,
-        )  # fmt: skip
-
-    def _is_beside(self, course: float, scene: Scene) -> np.ndarray:
-        """Tell who is not in D along a course but too near beside it, shape (N,), bool."""
-        across = math.cos(course) * scene.people[:, 1] - math.sin(course) * scene.people[:, 0]
-        return np.asarray(np.abs(across) >= self._half + scene.people[:, 4])
-
-    def _reach(self, goal: Goal) -> float:
-        """Return how far things count: D ends at the target, or where the robot can stop."""
-        robot = self._robot
-        stop = robot.speed_m_s * (self._delay + robot.speed_m_s / (2.0 * robot.accel_m_s2))
-        target = float(np.hypot(*goal.point)) + robot.margin_m + self._box.front
-        return max(target, min(goal.distance, stop) + self._box.front)
-
-    def _on_course(self, moment: _Moment) -> Decision | None:
+    def _on_course(self, moment: Moment) -> Decision | None:
         """Return the straight run, waiting included; None if something stands in its way."""
         if moment.free[0] < self._config.look_m or moment.is_blind:
             return None
@@ -210,13 +153,13 @@ class Sjmc:
             return None
         return Decision(STILL, WAITING, f"waiting for a person, {waited:.1f} s")
 
-    def _around(self, moment: _Moment) -> Decision | None:
+    def _around(self, moment: Moment) -> Decision | None:
         """Return the turning run; None if no course is open."""
         if not self._is_clear(moment.braked, moment):
             return None
         order = preferred(moment.bearings, moment.goal.bearing, moment.free, self._side)
         for look in _LOOKS:
-            far = min(look * self._config.look_m, self._reach(moment.goal))
+            far = min(look * self._config.look_m, self._moments.reach(moment.goal))
             for k in order[moment.free[order] >= far][:_MOST]:
                 course = float(moment.bearings[k])
                 ahead = self._in_the_way(course, moment)
@@ -233,7 +176,7 @@ class Sjmc:
                     return Decision(self._command(course, speed), TURNING, f"around {what}")
         return None
 
-    def _stuck(self, moment: _Moment) -> Decision:
+    def _stuck(self, moment: Moment) -> Decision:
         """Return what is left: creep on where that is safe, or stand."""
         speed, _ = self._safe_speed(moment.goal.bearing, _CREEP, moment)
         reason = "the way is not seen" if moment.is_blind else "no course is open"
@@ -245,7 +188,7 @@ class Sjmc:
             return Decision(Velocity(_BACK, 0.0, 0.0), BACKING, reason)
         return Decision(STILL, BLOCKED if is_still else BRAKING, reason)
 
-    def _may_back(self, moment: _Moment) -> bool:
+    def _may_back(self, moment: Moment) -> bool:
         """Tell whether it may back out of where it is stuck, on the way that it came."""
         if self._behind <= 0.0 or self._unicycle is None:
             return False
@@ -253,18 +196,18 @@ class Sjmc:
         seen = self._foresight.look(now, 0.0, _BACK, self._cycle.period, scene.solids, scene.people)
         return self._is_clear(seen, moment)
 
-    def _turned(self, course: float, moment: _Moment) -> Decision:
+    def _turned(self, course: float, moment: Moment) -> Decision:
         """Return how to face a course that was seen, from one that was not: stand, then turn."""
         reason = "the way ahead is not seen"
         if moment.state.velocity.speed > _SLOW:
             return Decision(STILL, BRAKING, reason)
         return Decision(self._command(course, 0.0), TURNING, reason)
 
-    def _in_the_way(self, course: float, moment: _Moment) -> InTheWay:
+    def _in_the_way(self, course: float, moment: Moment) -> InTheWay:
         args = moment.scene, moment.is_judged, self._box.front, self._half
         return people_in_the_way(course, *args, self._config)
 
-    def _beside(self, course: float, moment: _Moment) -> float:
+    def _beside(self, course: float, moment: Moment) -> float:
         """Return how fast it may come up to who stands beside a course, m/s."""
         known = self._patience.known(moment.scene)
         args = moment.scene, known, self._box.front, self._half, self._config
@@ -277,7 +220,7 @@ class Sjmc:
         """Tell whether somebody stands in a course's Danger Zone (3.7)."""
         return ahead.who >= 0 and ahead.is_stable and ahead.distance <= self._config.danger_m
 
-    def _safe_speed(self, course: float, bound: float, moment: _Moment) -> tuple[float, Foreseen]:
+    def _safe_speed(self, course: float, bound: float, moment: Moment) -> tuple[float, Foreseen]:
         """Return the most speed from which braking keeps clear, and what is foreseen at it."""
         most, now = min(bound, moment.fastest), moment.state.velocity
         around = moment.near, moment.people
@@ -289,14 +232,14 @@ class Sjmc:
                 return share * most, seen
         return 0.0, moment.braked
 
-    def _is_clear(self, seen: Foreseen, moment: _Moment) -> bool:
+    def _is_clear(self, seen: Foreseen, moment: Moment) -> bool:
         """Tell whether a look ahead keeps its distances, or at least what there is of them."""
         now = moment.now
         thing = min(self._robot.margin_m, now.thing_gap - _NO_GAP)
         person = min(self._config.clearance_m, now.people_gap - _KEEP_GAP)
         return seen.thing_gap >= thing and seen.people_gap >= person
 
-    def _has_waited(self, ahead: InTheWay, moment: _Moment) -> tuple[float, bool]:
+    def _has_waited(self, ahead: InTheWay, moment: Moment) -> tuple[float, bool]:
         """Wait for the person ahead, or the nearest; return for how long, and if that is it."""
         people = moment.scene.people
         who = ahead.who if ahead.who >= 0 else int(np.argmin(np.hypot(people[:, 0], people[:, 1])))
@@ -315,18 +258,3 @@ class Sjmc:
         """Keep how far the robot may back on the way that it came."""
         came = self._behind + state.moved.x - 2.0 * abs(state.moved.yaw) * self._config.backs_off_m
         self._behind = min(max(came, 0.0), self._config.backs_off_m)
-
-    def _with_debug(self, decision: Decision, moment: _Moment) -> Decision:
-        lengths = np.minimum(moment.free, self._config.look_m)
-        units = np.column_stack((np.cos(moment.bearings), np.sin(moment.bearings)))
-        ways = [np.array([[0.0, 0.0], a * u]) for a, u in zip(lengths, units, strict=True)]
-        command = decision.command
-        course = math.atan2(command.y, command.x) if command.speed > _SLOW else 0.0
-        off = np.abs(np.remainder(moment.bearings - course + np.pi, 2.0 * np.pi) - np.pi)
-        region = self._box.grown(self._robot.margin_m).corners()
-        times = moment.free / self._robot.speed_m_s
-        ahead = self._box.front
-        zones = ahead + self._config.danger_m, ahead + self._config.caution_m
-        people = moment.scene.people
-        debug = Debug(region, ways, times, int(np.argmin(off)), zones, people)
-        return Decision(command, decision.state, decision.reason, debug)

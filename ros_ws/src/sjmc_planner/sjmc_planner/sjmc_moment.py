@@ -1,0 +1,123 @@
+"""All that one decision of `sjmc` goes by: the scene, and how far each course is free."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sjmc_planner.config import RobotConfig
+from sjmc_planner.limited_motion import stopping_speed
+from sjmc_planner.planning import Debug, Goal, RobotState, Velocity
+from sjmc_planner.sjmc_config import SjmcConfig
+from sjmc_planner.sjmc_course import courses
+from sjmc_planner.sjmc_region import Box, free_ways
+from sjmc_planner.sjmc_rollout import Foreseen, Foresight
+from sjmc_planner.sjmc_scene import Scene
+
+_WIDEST = math.radians(120.0)
+_SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
+_NO_SPEED = 0.03
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What is known when deciding.
+
+    Attributes:
+        state: How the robot moves.
+        goal: Where to go.
+        scene: Surroundings.
+        is_judged: Who is judged not to yield, shape (N,), bool.
+        bearings: Of the courses, the target's first, shape (K,), rad.
+        free: How far each is free of what does not yield, shape (K,), m; 0 where not looked.
+        fastest: What the travel speed, the goal and the horizon allow, m/s.
+        is_blind: Whether the way that the robot faces was not looked along.
+        now: Gaps of now.
+        near: Things that braking may come near, shape (M, 2), m.
+        people: People who may come near meanwhile, rows as in the scene.
+        braked: What comes of braking now.
+    """
+
+    state: RobotState
+    goal: Goal
+    scene: Scene
+    is_judged: np.ndarray
+    bearings: np.ndarray
+    free: np.ndarray
+    fastest: float
+    is_blind: bool
+    now: Foreseen
+    near: np.ndarray
+    people: np.ndarray
+    braked: Foreseen
+
+
+class MomentReader:
+    """Puts together what a decision goes by.
+
+    Args:
+        robot: What the robot is.
+        config: Settings of the method.
+        box: What the robot takes up.
+        foresight: Looks ahead.
+        delay: Time until a command acts, s.
+    """
+
+    def __init__(
+        self, robot: RobotConfig, config: SjmcConfig, box: Box, foresight: Foresight, delay: float
+    ) -> None:
+        self._robot, self._config, self._box = robot, config, box
+        self._half = box.half_width + robot.margin_m
+        self._foresight, self._delay = foresight, delay
+
+    def of(self, state: RobotState, goal: Goal, scene: Scene, is_judged: np.ndarray) -> Moment:
+        """Return what is known, with how far each course is free of what does not yield."""
+        config, robot = self._config, self._robot
+        bearings = courses(goal.bearing, config.course_step_rad, _WIDEST)
+        is_solid = (is_judged | self._is_beside(goal.bearing, scene)) & ~scene.is_moving
+        points = np.concatenate((scene.things, scene.people[is_solid, :2]))
+        radii = np.zeros(len(points))
+        radii[len(scene.things) :] = scene.people[is_solid, 4] + config.clearance_m
+        free = free_ways(bearings, points, radii, self._box.front, self._half)
+        free[free + self._box.front > self.reach(goal)] = np.inf
+        looked = robot.radius_m, _SEEN_M
+        free[scene.ends.unseen(bearings, *looked)] = 0.0
+        heading = np.zeros(1) if robot.drive == "differential" else bearings[:1]
+        is_blind = bool(scene.ends.unseen(heading, *looked)[0])
+        room = min(goal.distance, scene.ends.horizon - self._box.front)
+        fastest = min(robot.speed_m_s, stopping_speed(room, robot.accel_m_s2, self._delay))
+        now = self._foresight.gaps(scene.solids, scene.people)
+        near = self._foresight.within_reach(state.velocity, fastest, scene.solids)
+        people = self._foresight.may_meet(state.velocity, fastest, scene.people)
+        braked = self._foresight.look(state.velocity, 0.0, 0.0, 0.0, near, people)
+        return Moment(
+            state, goal, scene, is_judged, bearings, free, fastest, is_blind, now, near, people,
+            braked,
+        )  # fmt: skip
+
+    def _is_beside(self, course: float, scene: Scene) -> np.ndarray:
+        """Tell who is not in D along a course but too near beside it, shape (N,), bool."""
+        across = math.cos(course) * scene.people[:, 1] - math.sin(course) * scene.people[:, 0]
+        return np.asarray(np.abs(across) >= self._half + scene.people[:, 4])
+
+    def reach(self, goal: Goal) -> float:
+        """Return how far things count: D ends at the target, or where the robot can stop."""
+        robot = self._robot
+        stop = robot.speed_m_s * (self._delay + robot.speed_m_s / (2.0 * robot.accel_m_s2))
+        target = float(np.hypot(*goal.point)) + robot.margin_m + self._box.front
+        return max(target, min(goal.distance, stop) + self._box.front)
+
+    def debug(self, moment: Moment, command: Velocity) -> Debug:
+        """Return what was weighed, and the course that a command takes, for pictures."""
+        lengths = np.minimum(moment.free, self._config.look_m)
+        units = np.column_stack((np.cos(moment.bearings), np.sin(moment.bearings)))
+        ways = [np.array([[0.0, 0.0], a * u]) for a, u in zip(lengths, units, strict=True)]
+        course = math.atan2(command.y, command.x) if command.speed > _NO_SPEED else 0.0
+        off = np.abs(np.remainder(moment.bearings - course + np.pi, 2.0 * np.pi) - np.pi)
+        region = self._box.grown(self._robot.margin_m).corners()
+        times = moment.free / self._robot.speed_m_s
+        ahead = self._box.front
+        zones = ahead + self._config.danger_m, ahead + self._config.caution_m
+        return Debug(region, ways, times, int(np.argmin(off)), zones, moment.scene.people)
