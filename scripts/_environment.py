@@ -61,6 +61,7 @@ def ensure_environment(needs="offline"):
     if os.environ.get(READY) == "1":
         return
     from _environment_build import SetupError, ready_home
+    from _kernel_cache import forget_changed_kernels
 
     if (
         needs == "node"
@@ -77,6 +78,7 @@ def ensure_environment(needs="offline"):
         print("floornav: set-up interrupted; the next command starts it again", file=sys.stderr)
         sys.exit(130)
     environ = environment_of(home.prefix, home.is_system, os.environ)
+    forget_changed_kernels(environ["NUMBA_CACHE_DIR"])
     sys.stdout.flush()
     sys.stderr.flush()
     python = str(home.prefix / "bin" / "python")
