@@ -168,7 +168,11 @@ def with_table(text: str, name: str, head: str, rows: dict[str, str]) -> str:
     if not (found and closed):
         raise ValueError(f"the page lacks the line {begin} or {end}")
     kept = {line.split("|")[1].strip(): line for line in old.splitlines()[3:] if "|" in line}
-    return f"{before}{begin}\n{head}" + "\n".join((kept | rows).values()) + f"\n{end}{after}"
+    order = {shown.name: number for number, shown in enumerate(SHOWN)}
+    all_rows = sorted(
+        (kept | rows).items(), key=lambda row: order.get(row[0].split(":")[0], len(order))
+    )
+    return f"{before}{begin}\n{head}" + "\n".join(row for _, row in all_rows) + f"\n{end}{after}"
 
 
 def _run_row(shown: Shown, data: Path, s: dict[str, Any]) -> str:
