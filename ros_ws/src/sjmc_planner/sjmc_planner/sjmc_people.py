@@ -137,6 +137,12 @@ def _leaves(scene: Scene, course: float) -> np.ndarray:
     return np.asarray(across * outward > _LEAVING * np.abs(across))
 
 
+def _are_in(numbers: np.ndarray, known: set[int]) -> np.ndarray:
+    if not known:
+        return np.zeros(len(numbers), dtype=bool)
+    return np.array([n in known for n in numbers.tolist()], dtype=bool)
+
+
 class Patience:
     """Remembers for whom the robot waited, and who is judged not to yield.
 
@@ -165,14 +171,13 @@ class Patience:
                 del self._waited[number], self._free[number]
         leaving = set(scene.number[_leaves(scene, course)].tolist())
         self._harmless = ((self._harmless & known) - moving) | leaving
-        return np.array([n in self._judged for n in scene.number.tolist()], dtype=bool)
+        return _are_in(scene.number, self._judged)
 
     def known(self, scene: Scene) -> np.ndarray:
         """Return who stands beside the way and is not minded, shape (N,), bool."""
         if self._spent >= self._config.bystander_patience_s:
             return np.ones(len(scene.number), dtype=bool)
-        return np.array([n in self._harmless or n in self._judged for n in scene.number.tolist()],
-                        dtype=bool)  # fmt: skip
+        return _are_in(scene.number, self._harmless | self._judged)
 
     def mind(self, has_minded: bool) -> None:
         """Take note whether it came up slowly to a bystander for one period."""

@@ -108,9 +108,10 @@ class SceneReader:
         widths = _widths(
             ends.ranges, tracks.beam_track, ends.angle_min, ends.angle_increment, len(tracks)
         )
-        before = [self._widths.get(n, 0.0) - _NARROWS * self._period for n in tracks.number]
-        widths = np.maximum(widths, np.array(before).reshape(-1))
-        self._widths = dict(zip(tracks.number.tolist(), widths.tolist(), strict=True))
+        numbers, shrunk = tracks.number.tolist(), _NARROWS * self._period
+        before = np.array([self._widths.get(n, 0.0) for n in numbers]).reshape(-1) - shrunk
+        widths = np.maximum(widths, before)
+        self._widths = dict(zip(numbers, widths.tolist(), strict=True))
         return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
 
     def _remember(
