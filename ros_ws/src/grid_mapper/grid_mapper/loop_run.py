@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -55,9 +56,12 @@ def run_closing(
     load_solver()
     localizer, mapper = LoopClosingLocalizer(config), LayeredMapper(config)
     found = run_mapper(recording, localizer, max_scans, on_scan[0])
+    started = time.perf_counter()
     localizer.closer.finish()
+    finish_ms = 1e3 * (time.perf_counter() - started)
     poses = localizer.known_poses()
     run = run_mapper(open_again(), MapRebuild(mapper, poses), len(poses), on_scan[1])
+    run.finish_ms = finish_ms
     run.is_interrupted |= found.is_interrupted
     both = zip(found.scan_ms, run.scan_ms, strict=False)
     run.scan_ms = [first + second for first, second in both]

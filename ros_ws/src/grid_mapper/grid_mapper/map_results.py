@@ -174,7 +174,7 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
 
 def _real_time_factor(stamps: list[int], run: MapRun) -> float | None:
     """Return the time that was recorded over the time that the mapper took."""
-    took = 1e-3 * (sum(run.scan_ms) + sum(run.range_ms))
+    took = 1e-3 * (sum(run.scan_ms) + sum(run.range_ms) + run.finish_ms)
     return (max(stamps) - min(stamps)) * 1e-9 / took if stamps and took > 0.0 else None
 
 

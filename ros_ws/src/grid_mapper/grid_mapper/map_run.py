@@ -73,6 +73,7 @@ class MapRun:
         untrusted: Stamp (ns) and reason of every scan whose match was not trusted.
         scan_ms: Time the mapper took for each scan, ms.
         range_ms: Time the mapper took for each sonar reading, ms.
+        finish_ms: Time the mapper took behind the last scan, ms.
         is_interrupted: True after Ctrl-C.
     """
 
@@ -80,6 +81,7 @@ class MapRun:
     untrusted: list[tuple[int, str]] = field(default_factory=list)
     scan_ms: list[float] = field(default_factory=list)
     range_ms: list[float] = field(default_factory=list)
+    finish_ms: float = 0.0
     is_interrupted: bool = False
 
     @property
