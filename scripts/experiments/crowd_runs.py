@@ -57,7 +57,7 @@ class Outcome:
         theirs: Contacts with people that they caused.
         things: Contacts with things.
         time_s: Until it was there.
-        path_ratio: Way driven over the straight line.
+        path_ratio: Way driven over the straight line between its ends.
         min_distance_m: Least distance between its outline and anybody's body.
         not_moving_s: Time at rest after it set out.
         longest_stop_s: The longest rest.
@@ -120,10 +120,11 @@ def _outcome(drive: Drive, scene: Scene) -> Outcome:
     with_people = [contact for contact in drive.contacts if contact.name]
     caused = sum(contact.by_robot for contact in with_people)
     step = float(drive.times[1] - drive.times[0])
+    straight = float(np.hypot(*(drive.poses[-1, :2] - drive.poses[0, :2])))
     return Outcome(
         is_success=drive.is_reached and not caused, is_reached=drive.is_reached, caused=caused,
         theirs=len(with_people) - caused, things=len(drive.contacts) - len(with_people),
-        time_s=drive.time_s, path_ratio=drive.path_m / scene.straight_m,
+        time_s=drive.time_s, path_ratio=drive.path_m / max(straight, 1e-9),
         min_distance_m=drive.min_gap_m, not_moving_s=drive.not_moving_s,
         longest_stop_s=drive.longest_stop_s, heading_changes=drive.heading_changes,
         intimate_s=step * float((drive.gaps < INTIMATE_M).sum()),
