@@ -125,3 +125,23 @@ def test_nobody_lost_moves_nobody() -> None:
     found, moved = reseat(problem, first, np.zeros(7, dtype=bool), config)
     assert not moved.any()
     assert found is first
+
+
+def test_a_robot_thrown_far_away_leaves_the_search_for_others_as_it_is() -> None:
+    views, truth = team(RING, seed=2, noise=SD, landmarks=GOALS)
+    config = TeamConfig(body_radius_m=0.0)
+    problem = make_problem(views, GOALS, config)
+    lost = np.isin(np.arange(7), 5)
+    info = np.where(lost[:, None, None], 0.0, problem.prior_info)
+    problem = replace(problem, prior_info=info)
+    first = place_first(problem, problem.has_prior.astype(float), config)
+    poses = RING.copy()
+    poses[0] = (1e7, -1e7, 0.0)
+    poses[5] = (0.0, 0.3, 0.0)
+    owner = np.concatenate(truth)
+    thrown = replace(
+        first, owner=owner, seen=owner, belief=np.ones(len(owner)),
+        fit=TeamFit(poses, 1e-4 * np.eye(21), 0.0),
+    )  # fmt: skip
+    found, _ = reseat(problem, thrown, lost, config)
+    assert np.hypot(*(found.fit.poses[5] - RING[5])[:2]) < 0.1

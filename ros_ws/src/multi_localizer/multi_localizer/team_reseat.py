@@ -27,6 +27,8 @@ from multi_localizer.team_trust import WRONG_PRIOR
 _AROUND = 0.3  # m around the team
 _REACH = 3.5  # deviations of a rough pose
 _STEP = 0.1  # m, of the grid
+_MOST_CELLS = 200_000  # of the grid; a larger area is looked at more coarsely
+_THROWN = 20.0  # times the median distance from the middle
 _APART = 0.2  # m
 _SPARE = 3  # times as many places are looked at as robots are missing
 _SPARE_MORE = 10
@@ -90,8 +92,9 @@ def _seats(
     low, high = (around - reach[:, None]).min(axis=0), (around + reach[:, None]).max(axis=0)
     known = known_robots(x, cov, ~lost)
     arrays = (known, problem.bearings, problem.var, is_open, table)
+    step = max(_STEP, float(np.sqrt(np.prod(high - low) / _MOST_CELLS)))
     places = open_places(
-        low, high, _STEP, _APART, _SPARE * int(lost.sum()) + _SPARE_MORE, around, reach,
+        low, high, step, _APART, _SPARE * int(lost.sum()) + _SPARE_MORE, around, reach,
         hidden_rate * problem.num_robots, config.detected_share, width, *arrays,
     )  # fmt: skip
     mark_start = np.searchsorted(problem.mark_robot, np.arange(problem.num_robots + 1))
@@ -105,8 +108,13 @@ def _seats(
 
 
 def _corners(problem: TeamProblem, known: np.ndarray) -> np.ndarray:
-    """Return the corners of a box around known robots and landmarks, (2, 2), m."""
+    """Return the corners of a box around known robots and landmarks, (2, 2), m.
+
+    A robot that a fit has thrown far away from all others does not count.
+    """
     places = np.vstack((known, problem.marks))
+    off = np.hypot(*(places - np.median(places, axis=0)).T)
+    places = places[off <= _THROWN * max(float(np.median(off)), _AROUND)]
     return np.vstack((places.min(axis=0) - _AROUND, places.max(axis=0) + _AROUND))
 
 
