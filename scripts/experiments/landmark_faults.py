@@ -119,8 +119,9 @@ def _drive(
         stamp_ns = round(1e9 * PERIOD_S * (k + 1))
         noisy = bearings + rng.normal(0.0, sd, len(posts))
         expected = tracker.expected(stamp_ns, odom)
-        estimate = _located(locator, noisy, sd, expected).estimate
-        why_not = tracker.update(stamp_ns, estimate, odom)
+        fix = _located(locator, noisy, sd, expected)
+        estimate = fix.estimate
+        why_not = tracker.update(stamp_ns, estimate, odom, fix.is_elsewhere)
         is_wrong = estimate is not None and _is_wrong(estimate, pose)
         said.append((estimate is not None and not why_not, is_wrong))
         pose, odom = _step(pose, odom, rng)

@@ -80,6 +80,18 @@ def test_the_expected_pose_is_the_last_one_moved_on():
     assert np.abs(difference(expected.pose, drive.pose @ STEP)).max() < 1e-9
 
 
+def test_unseen_for_some_time_the_last_pose_tells_no_poses_apart_before_it_is_seen_again():
+    drive = Drive(lost_after_s=0.5)
+    for _ in range(4):
+        drive.see()
+    for is_told in (True, True, True, True, True, False):
+        now = drive.stamp_ns + PERIOD_NS
+        assert (drive.tracker.expected(now, drive.odom) is not None) is is_told
+        drive.see(is_seen=False)
+    drive.see()
+    assert drive.tracker.expected(drive.stamp_ns + PERIOD_NS, drive.odom) is not None
+
+
 def test_a_pose_unseen_for_long_and_stamps_set_back_are_begun_anew():
     drive = Drive(forget_s=1.0)
     for _ in range(4):

@@ -47,11 +47,13 @@ class Verdict:
         estimate: The pose; None if it is not to be sent.
         problem: Why not; "" if it is.
         note: What is to be said with it.
+        is_sound: Whether nothing speaks against it but others that fit as well.
     """
 
     estimate: PoseEstimate | None
     problem: str = ""
     note: str = ""
+    is_sound: bool = False
 
 
 def judge(found: Sequence[Explanation], num_seen: int, config: LandmarkConfig) -> Verdict:
@@ -66,14 +68,16 @@ def judge(found: Sequence[Explanation], num_seen: int, config: LandmarkConfig) -
     marks = [m for _, m in used]
     if estimate is None:
         return Verdict(None, open_geometry(best.fit.pose, marks))
-    problem = (
-        _doubt(estimate, best, [s for s, _ in used], marks, config)
-        or _unconfirmed(num_values, config)
-        or _rival(found, config)
+    problem = _doubt(estimate, best, [s for s, _ in used], marks, config) or _unconfirmed(
+        num_values, config
     )
     if problem:
         return Verdict(None, problem)
-    return Verdict(estimate, note="nothing confirms it" if num_values == NEED else "")
+    rival = _rival(found, config)
+    if rival:
+        return Verdict(None, rival, is_sound=True)
+    note = "nothing confirms it" if num_values == NEED else ""
+    return Verdict(estimate, note=note, is_sound=True)
 
 
 def as_expected(
@@ -81,11 +85,12 @@ def as_expected(
 ) -> list[Explanation]:
     """Return explanations, the best first; of those that fit alike the expected ones alone."""
     likely = [e for e in found if e.cost - found[0].cost < config.ambiguity_sd**2]
-    near = [e for e in likely if expected is not None and _is_near(e, expected, config)]
+    near = [e for e in likely if expected is not None and is_near(e, expected, config)]
     return [e for e in found if e in near or e not in likely] if near else list(found)
 
 
-def _is_near(one: Explanation, expected: PoseEstimate, config: LandmarkConfig) -> bool:
+def is_near(one: Explanation, expected: PoseEstimate, config: LandmarkConfig) -> bool:
+    """Return whether an explanation is of the expected pose."""
     estimate = estimate_of(one.fit)
     return estimate is not None and mahalanobis(estimate, expected) < config.gate_sd**2
 

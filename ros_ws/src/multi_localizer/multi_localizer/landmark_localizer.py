@@ -78,6 +78,6 @@ class LandmarkLocalizer:
         there = None if expected is None else moved(expected, T_base_sensor)
         fix = self.views.locate(bearings, mask, there)
         base = None if fix.estimate is None else moved(fix.estimate, T_base_sensor.inverse())
-        why_not = self.tracker.update(stamp_ns, base, T_odom_base)
+        why_not = self.tracker.update(stamp_ns, base, T_odom_base, fix.is_elsewhere)
         num_seen = {kind: len(values) for kind, values in bearings.items()}
         return LandmarkAnswer(fix, None if why_not else base, why_not, num_seen)

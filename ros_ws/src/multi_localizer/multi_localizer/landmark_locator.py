@@ -19,6 +19,7 @@ from multi_localizer.landmark_judge import (
     Explanation,
     are_apart,
     as_expected,
+    is_near,
     judge,
 )
 from multi_localizer.landmark_starts import choices, refined_poses, rough_costs
@@ -39,6 +40,7 @@ class LandmarkFix:
         num_used: Sightings that made it.
         num_left_out: Sightings that fit no landmark.
         note: What was left out before, or is missing, in words.
+        is_elsewhere: Whether what was seen is explained well, but by no pose near the expected one.
     """
 
     estimate: PoseEstimate | None
@@ -46,6 +48,7 @@ class LandmarkFix:
     num_used: int = 0
     num_left_out: int = 0
     note: str = ""
+    is_elsewhere: bool = False
 
 
 class LandmarkLocator:
@@ -81,10 +84,12 @@ class LandmarkLocator:
         used = [pair for pair in best.marks if pair is not None]
         num_out = len(usable) - len(used)
         verdict = judge(tries, sum(s.num_values for s in usable), self._config)
+        is_there = expected is None or is_near(best, expected, self._config)
+        is_elsewhere = verdict.is_sound and not is_there
         if verdict.problem:
-            return LandmarkFix(None, verdict.problem, 0, num_out, note)
+            return LandmarkFix(None, verdict.problem, 0, num_out, note, is_elsewhere)
         notes = "; ".join(words for words in (note, verdict.note) if words)
-        return LandmarkFix(verdict.estimate, "", len(used), num_out, notes)
+        return LandmarkFix(verdict.estimate, "", len(used), num_out, notes, is_elsewhere)
 
     def _usable(self, sightings: Sequence[Sighting]) -> tuple[list[Sighting], str]:
         finite = [s for s in sightings if math.isfinite(s.bearing)]

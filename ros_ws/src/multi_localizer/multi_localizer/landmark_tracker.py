@@ -4,6 +4,10 @@ A false bearing among four gives way too often to be seen in one view. A wrong p
 again where odometry says that the right one would: so none is given before some views, one after
 the other, have shown it, and later only what follows from it. What a false thing that stands still
 makes of a robot that stands still no time can tell.
+
+Where poses fit alike the known one tells which is right, but only while it is known well: unseen
+for some time, or contradicted by views, the robot may have been carried or pushed round, and its
+mate may stand where the motion has it. Then only a view that no other pose fits settles it again.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from multi_localizer.landmark_config import LandmarkTrackConfig
 from multi_localizer.pose_estimate import PoseEstimate, mahalanobis, propagate
 
 _S = 1_000_000_000
+_MOST_ELSEWHERE = 1  # views that may have shown other poses than the known one: false bearings
 
 
 @dataclass(frozen=True)
@@ -48,34 +53,51 @@ class LandmarkTracker:
         """Forget everything."""
         self._known: Run | None = None
         self._runs: list[Run] = []
+        self._num_elsewhere = 0
         self._stamp_ns: int | None = None
         self._T_odom_base: SE2 | None = None
 
     def expected(self, stamp_ns: int, T_odom_base: SE2 | None) -> PoseEstimate | None:
-        """Return where the robot should be at a moment; None if it is not known."""
-        return None if self._known is None else self._moved(self._known, stamp_ns, T_odom_base)
+        """Return where the robot should be at a moment; None if that may tell no poses apart."""
+        known = self._known
+        if known is None or self._num_elsewhere > _MOST_ELSEWHERE:
+            return None
+        if stamp_ns - known.seen_ns > self.config.lost_after_s * _S:
+            return None  # by now somebody may have carried it
+        return self._moved(known, stamp_ns, T_odom_base)
 
-    def update(self, stamp_ns: int, estimate: PoseEstimate | None, T_odom_base: SE2 | None) -> str:
+    def update(
+        self,
+        stamp_ns: int,
+        estimate: PoseEstimate | None,
+        T_odom_base: SE2 | None,
+        is_elsewhere: bool = False,
+    ) -> str:
         """Take what a view gives; return why it is not to be given, "" if it is.
 
         Args:
             stamp_ns: Of the view.
             estimate: Of base_link; None if the view gives none.
             T_odom_base: Where odometry has the robot then; None without odometry.
+            is_elsewhere: Whether the view is of poses, but of none near the expected one.
         """
         self._go_on(stamp_ns, T_odom_base)
+        self._num_elsewhere += is_elsewhere
         if estimate is None:
             self._runs = []
             return ""
         if self._known is not None and self._is_one(self._known.estimate, estimate):
-            self._known, self._runs = Run(estimate, self._known.num + 1, stamp_ns), []
+            self._settle(Run(estimate, self._known.num + 1, stamp_ns))
             return ""
         run = self._continued(estimate, stamp_ns)
         if not self._is_believed(run, stamp_ns):
             self._runs = [run]
             return self._why_not(run)
-        self._known, self._runs = run, []
+        self._settle(run)
         return ""
+
+    def _settle(self, known: Run) -> None:
+        self._known, self._runs, self._num_elsewhere = known, [], 0
 
     def _continued(self, estimate: PoseEstimate, stamp_ns: int) -> Run:
         before = [r.num for r in self._runs if self._is_one(r.estimate, estimate)]
