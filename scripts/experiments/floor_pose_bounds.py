@@ -27,6 +27,7 @@ NUM_PAIRS = 24
 PAIR_NOISE_PX = 0.3
 CENTER_SD_PX = 0.05
 """Of each coordinate of the mirror's center, as found from its rim in the picture."""
+MOST_TRIALS = 20
 NEAREST_PAIR_M, FARTHEST_PAIR_M = 0.15, 3.0
 
 
@@ -72,14 +73,24 @@ def calibrated(
     """Return the mirror as fitted to measured pairs of pixel radius and distance.
 
     The pairs lie at distances whose radii are evenly spread; their radii have noise. So has the
-    center, CENTER_SD_PX.
+    center, CENTER_SD_PX. Pairs that the calibration refuses, because radii fall where distances
+    grow, are measured again, as its user would.
+
+    Raises:
+        ValueError: If MOST_TRIALS were refused.
     """
     p = true_mirror(camera)
     near, far = (float(mirror_radius(np.array(r), *p[:3]))
                  for r in (NEAREST_PAIR_M, FARTHEST_PAIR_M))  # fmt: skip
     radii = np.linspace(near, far, NUM_PAIRS)
     distances = camera.floor_distance(radii)
-    fit = fit_mirror(radii + rng.normal(0.0, noise_px, NUM_PAIRS), distances)
+    for trial in range(1, MOST_TRIALS + 1):
+        try:
+            fit = fit_mirror(radii + rng.normal(0.0, noise_px, NUM_PAIRS), distances)
+            break
+        except ValueError:
+            if trial == MOST_TRIALS:
+                raise
     center = p[3:] + rng.normal(0.0, CENTER_SD_PX, 2)
     return Mirror(np.append(fit.parameters, center), _with_center(fit.statistics.cov))
 

@@ -178,3 +178,20 @@ def test_a_drive_is_settled_when_the_pose_is_right_and_never_wrong_again():
     assert (found["settled"], found["wrong"], found["open"], found["lost"]) == (3, 1, 1, 3)
     assert found["settle_s"]["median"] == pytest.approx(0.1)
     assert (found["never_settled"], found["never_recovered"]) == (0, 1)
+
+
+def test_pairs_that_the_calibration_refuses_are_measured_again() -> None:
+    class Noise:
+        """Draws that a calibration refuses, then none at all."""
+
+        def __init__(self, num_bad: int) -> None:
+            self.num_bad = num_bad
+
+        def normal(self, mean: float, sd: float, num: int) -> np.ndarray:
+            self.num_bad -= 1
+            return np.where(np.arange(num) == 12, -40.0 if self.num_bad >= 0 else 0.0, 0.0)
+
+    found = calibrated(CAMERA, Noise(3)).parameters
+    assert found == pytest.approx(true_mirror(CAMERA), rel=1e-3)
+    with pytest.raises(ValueError, match="radii must grow"):
+        calibrated(CAMERA, Noise(100))
