@@ -48,7 +48,7 @@ EXPERIMENTS = {
 
 def main(argv: list[str] | None = None) -> int:
     """Run one experiment."""
-    args = _parser().parse_args(argv)
+    args = _parsed(sys.argv[1:] if argv is None else argv)
     module = _module(args.experiment)
     if hasattr(module, "check"):
         module.check(args)  # bad input leaves no folder behind
@@ -86,14 +86,19 @@ def _as_text(table: Table) -> str:
     return "\n" + "\n".join(line.rstrip() for line in lines) + "\n"
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parsed(argv: list[str]) -> argparse.Namespace:
+    """Return the arguments; an experiment that is not named is not imported."""
     parser = argparse.ArgumentParser(prog="evaluate.py", description=__doc__)
     kinds = parser.add_subparsers(dest="experiment", metavar="EXPERIMENT", required=True)
     for name, text in EXPERIMENTS.items():
         kind = kinds.add_parser(name, help=text, description=text)
-        _module(name).add_options(kind)
+        if name in argv:
+            _module(name).add_options(kind)
         add_common_options(kind)
-    return parser
+    args, rest = parser.parse_known_args(argv)
+    if rest:  # said with that experiment's own options
+        kinds.choices[args.experiment].error(f"unrecognized arguments: {' '.join(rest)}")
+    return args
 
 
 if __name__ == "__main__":

@@ -44,3 +44,13 @@ def test_the_terminal_names_and_explains_every_table() -> None:
 
     text = evaluate._section_text(Section("Mirror", ["Radii, px.", Table(["a"], [["1"]])]))
     assert text.split() == ["Mirror", "Radii,", "px.", "a", "1"]
+
+
+def test_an_option_of_another_experiment_is_refused_with_this_ones_usage(tmp_path: Path) -> None:
+    words = [sys.executable, str(EVALUATE), "landmark-localization", "--layouts", "2"]
+    done = subprocess.run(
+        words, cwd=tmp_path, timeout=300.0, env={**os.environ, "FLOORNAV_ENV_READY": "1"},
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert "--headings" in done.stderr and "unrecognized arguments: --layouts 2" in done.stderr
