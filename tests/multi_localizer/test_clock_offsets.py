@@ -90,3 +90,11 @@ def test_words_say_which_side_and_how_surely() -> None:
     assert clock_problem(ClockOffset(2 * S, None), allowed) == "its clock is at least 2.000 s ahead"
     assert "late, or its clock" in clock_problem(ClockOffset(-2 * S, None), allowed)
     assert clock_problem(ClockOffset(-50 * MS, None), allowed) == ""
+
+
+def test_simulated_time_that_was_not_told_yet_says_nothing() -> None:
+    clock = TeammateClock()
+    clock.take_stamp(100 * S, 0)
+    clock.take_stamp(0, 100 * S)
+    clock.take_note(100 * S, 0, 0)
+    assert clock.offset is None and clock.echo_ns(S) is None

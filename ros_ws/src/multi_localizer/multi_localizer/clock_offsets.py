@@ -38,7 +38,10 @@ class ClockOffset:
 
 
 class TeammateClock:
-    """The clock of one teammate as ours sees it."""
+    """The clock of one teammate as ours sees it.
+
+    A clock that reads 0 is simulated time that has not been told yet: nothing is learned of it.
+    """
 
     def __init__(self) -> None:
         """Start knowing nothing."""
@@ -54,6 +57,8 @@ class TeammateClock:
             echo_ns: Our clock by their reckoning at that moment; None before they heard us.
             now_ns: Our clock as it came.
         """
+        if stamp_ns <= 0 or now_ns <= 0:
+            return
         if self._heard is None or stamp_ns > self._heard[0]:
             self._heard = stamp_ns, now_ns
         if echo_ns is None or now_ns < echo_ns:
@@ -66,7 +71,8 @@ class TeammateClock:
 
     def take_stamp(self, stamp_ns: int, now_ns: int) -> None:
         """Take the stamp of any other message of theirs, as it came."""
-        self._one_way.append(stamp_ns - now_ns)
+        if stamp_ns > 0 and now_ns > 0:
+            self._one_way.append(stamp_ns - now_ns)
 
     def echo_ns(self, now_ns: int) -> int | None:
         """Return what to write to them: their last note's stamp, run on until now."""
