@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from multi_localizer.clock_offsets import ClockOffset, TeammateClock, clock_problem
@@ -30,6 +30,7 @@ def test_a_clock_half_a_second_ahead_over_a_line_of_ten_milliseconds() -> None:
     assert theirs.offset == ClockOffset(-500 * MS, 10 * MS + 1)
 
 
+@example(offset_ms=0, ways_ms=[*((0, k) for k in range(16)), (0, 0), (0, 16), (0, 17)])
 @given(
     offset_ms=st.integers(-100_000, 100_000),
     ways_ms=st.lists(st.tuples(st.integers(0, 900), st.integers(0, 900)), min_size=1, max_size=20),

@@ -66,8 +66,9 @@ class TeammateClock:
         way, offset = now_ns - echo_ns, stamp_ns - (echo_ns + now_ns) // 2
         if any(2 * abs(offset - o) > way + w + _SET_NS for w, o in self._rounds):
             self._rounds.clear()  # one of the clocks was set
-        if (way, offset) not in self._rounds:
-            self._rounds.append((way, offset))
+        if (way, offset) in self._rounds:
+            self._rounds.remove((way, offset))  # one that is doubled counts once, as the newest
+        self._rounds.append((way, offset))
 
     def take_stamp(self, stamp_ns: int, now_ns: int) -> None:
         """Take the stamp of any other message of theirs, as it came."""
