@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from floornav_common.se2 import SE2
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.robot_inbox import ROBOTS, Classes
+from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_inbox import Moment, TeamInbox
 from multi_localizer.team_node_config import TeamNodeConfig, TeamTimingConfig
 
@@ -189,3 +191,18 @@ def test_after_a_clock_set_back_no_moment_of_the_time_before_comes(back_s: int) 
     back = [b - a for a, b in zip(stamps, stamps[1:], strict=False) if b <= a]
     assert len(back) == 1 and stamps[-1] == at - back_s * S
     assert len(stamps) >= 48
+
+
+def test_a_pose_that_is_known_nowhere_is_refused_as_if_none_was_sent() -> None:
+    inbox = team()
+    inbox.solver = TeamConfig(far_sd_m=2.0)
+    send(inbox, "r1", T)
+    for sd, is_taken in ((1000.0, False), (2.1, False), (1.9, True)):
+        pose = PoseEstimate(SE2(1.0, 2.0, 0.0), np.diag([0.1, sd**2, 0.1]))
+        if is_taken:
+            inbox.take_pose("r1", T, pose, T)
+        else:
+            with pytest.raises(ValueError, match="too uncertain"):
+                inbox.take_pose("r1", T, pose, T)
+        rough = inbox.collect(T, T).views[0].rough
+        assert (rough is not None) == is_taken

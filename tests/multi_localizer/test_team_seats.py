@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from team_builders import GOALS, team
 
+from floornav_common.se2 import SE2
+from multi_localizer import team_reseat
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_fit import TeamFit
 from multi_localizer.team_identify import place_first
@@ -125,6 +128,29 @@ def test_nobody_lost_moves_nobody() -> None:
     found, moved = reseat(problem, first, np.zeros(7, dtype=bool), config)
     assert not moved.any()
     assert found is first
+
+
+@pytest.mark.parametrize("sd", [1.0, 5.0])
+@pytest.mark.parametrize("off", [0.0, 1e6])
+def test_the_area_that_is_searched_is_bounded_whatever_rough_poses_say(
+    sd: float, off: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cells: list[float] = []
+
+    def counted(low: np.ndarray, high: np.ndarray, step: float, *rest: object) -> np.ndarray:
+        cells.append(float(np.prod((high - low) / step + 1.0)))
+        return open_places(low, high, step, *rest)
+
+    monkeypatch.setattr(team_reseat, "open_places", counted)
+    views, _ = team(RING, seed=2, noise=SD, landmarks=GOALS)
+    rough = PoseEstimate(SE2(off, -off, 0.0), np.diag([sd**2, sd**2, 1.0]))
+    views[5] = replace(views[5], rough=rough)
+    config = TeamConfig(body_radius_m=0.0)
+    problem = make_problem(views, GOALS, config)
+    first = place_first(problem, problem.has_prior.astype(float), config)
+    found, _ = reseat(problem, first, np.arange(7) == 5, config)
+    assert len(cells) == 1 and cells[0] < 210_000
+    assert np.isfinite(found.fit.poses).all()
 
 
 def test_a_robot_thrown_far_away_leaves_the_search_for_others_as_it_is() -> None:

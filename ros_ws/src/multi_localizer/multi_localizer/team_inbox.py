@@ -11,8 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from multi_localizer.clock_offsets import clock_problem
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.robot_inbox import Classes, RobotInbox, Sight
+from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_node_config import TeamTimingConfig
+from multi_localizer.team_problem import is_vague
 from multi_localizer.team_views import RobotView
 
 _MAX_PENDING = 20
@@ -51,6 +54,7 @@ class TeamInbox:
 
     Attributes:
         robots: The inbox of each robot.
+        solver: Says which poses are too uncertain.
     """
 
     def __init__(
@@ -58,6 +62,7 @@ class TeamInbox:
     ) -> None:
         """Start with nothing heard."""
         self.robots = {name: RobotInbox(name, config, classes) for name in team}
+        self.solver = TeamConfig()
         self._own = own
         self._config = config
         self._pending: list[tuple[int, int]] = []  # stamp, when it began to wait
@@ -84,6 +89,12 @@ class TeamInbox:
         """Return whose bearings make moments; "" if nobody is present."""
         present = [name for name in self.robots if self.is_present(name, passed_ns)]
         return self._own if self._own in present else (present[0] if present else "")
+
+    def take_pose(self, name: str, stamp_ns: int, estimate: PoseEstimate, now_ns: int) -> None:
+        """Take where a robot believes to be by itself; ValueError if it says that nobody knows."""
+        if is_vague(estimate, self.solver):
+            raise ValueError("its pose is too uncertain: as if it sent none")
+        self.robots[name].take_pose(stamp_ns, estimate, now_ns)
 
     def note_bearings(self, name: str, passed_ns: int) -> None:
         """Note that new bearings to robots came from a robot, after they were put in its box."""

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_views import NOBODY, RobotView
 
 UNKNOWN = -2
 """In `TeamProblem.known`: nobody has said whom this bearing belongs to."""
-_FAR = 1e6  # deviation of a pose that nobody knows, m
+_NO_YAW = 1e6  # deviation of a yaw that nobody knows, rad
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,13 +83,13 @@ def make_problem(
     Args:
         views: Of all robots, with distinct names.
         landmarks: Positions by class, (K, 2) each, m.
-        config: For the deviation where a view names none.
+        config: For the deviation where a view names none, and which rough poses are none.
     """
     names = tuple(view.name for view in views)
     kinds = tuple(landmarks)
     notes: list[str] = []
     rows, marks = _robot_rows(views, config, notes), _mark_rows(views, kinds, config, notes)
-    prior, info, counts = _priors(views)
+    prior, info, counts = _priors(views, config, notes)
     places = [np.asarray(landmarks[kind], dtype=float).reshape(-1, 2) for kind in kinds]
     counted = np.bincount(rows[:, 0].astype(np.int64), minlength=len(views))
     return TeamProblem(
@@ -164,13 +165,24 @@ def _finite(bearings: np.ndarray, name: str, notes: list[str]) -> list[tuple[int
     return seen
 
 
-def _priors(views: Sequence[RobotView]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def is_vague(rough: PoseEstimate, config: TeamConfig) -> bool:
+    """Return whether a rough pose says so little that it is none."""
+    var = rough.cov.diagonal()
+    return bool(var[:2].max() > config.far_sd_m**2 or var[2] > _NO_YAW**2)
+
+
+def _priors(
+    views: Sequence[RobotView], config: TeamConfig, notes: list[str]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     prior = np.zeros((len(views), 3))
     info = np.zeros((len(views), 3, 3))
     counts = np.zeros(len(views), dtype=np.bool_)
     known = []
     for i, view in enumerate(views):
-        if view.rough is None or view.rough.cov.diagonal().max() > _FAR**2:
+        if view.rough is None:
+            continue
+        if is_vague(view.rough, config):
+            notes.append(f"{view.name}: its rough pose is too uncertain and left out")
             continue
         pose = view.rough.pose
         prior[i], info[i] = (pose.x, pose.y, pose.yaw), view.rough.cov

@@ -89,7 +89,7 @@ def _seats(
     corners = _corners(problem, x[~lost, :2])
     hidden_rate = width / float(np.prod(corners[1] - corners[0]))
     around, reach = _around(problem, corners, lost)
-    low, high = (around - reach[:, None]).min(axis=0), (around + reach[:, None]).max(axis=0)
+    low, high = _area(corners, around, reach, config.far_sd_m)
     known = known_robots(x, cov, ~lost)
     arrays = (known, problem.bearings, problem.var, is_open, table)
     step = max(_STEP, float(np.sqrt(np.prod(high - low) / _MOST_CELLS)))
@@ -130,6 +130,15 @@ def _around(
         return problem.prior[lost, :2], _REACH * np.array(sd)
     half = 0.5 * float(np.hypot(*(corners[1] - corners[0])))
     return corners.mean(axis=0)[None], np.array([half])
+
+
+def _area(
+    corners: np.ndarray, around: np.ndarray, reach: np.ndarray, margin: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the corners of the box around disks, as far as it is near the box of the team."""
+    low, high = (around - reach[:, None]).min(axis=0), (around + reach[:, None]).max(axis=0)
+    limits = corners[0] - margin, corners[1] + margin
+    return np.clip(low, *limits), np.clip(high, *limits)
 
 
 def without_robots(

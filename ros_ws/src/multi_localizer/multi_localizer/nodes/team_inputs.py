@@ -105,12 +105,11 @@ class TeamInputs:
             try:
                 if frame != wanted:
                     raise ValueError(f"its pose is in '{msg.header.frame_id}', not in '{wanted}'")
-                estimate = estimate_from_msg(msg)
+                estimate, stamp_ns = estimate_from_msg(msg), stamp_to_ns(msg.header.stamp)
+                self._inbox.take_pose(robot.name, stamp_ns, estimate, self._now_ns())
             except ValueError as error:
                 robot.counts["void poses"] += 1
                 self._warn(robot, str(error))
-                return
-            robot.take_pose(stamp_to_ns(msg.header.stamp), estimate, self._now_ns())
 
         return take
 
