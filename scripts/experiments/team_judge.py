@@ -45,6 +45,7 @@ class Verdict:
         num_suspects: Robots called suspect.
         faulty_chi2: Squared deviations of the faulty robot's pose where it is published; NaN where
             it is not, or no robot is faulty.
+        published_chi2: Squared deviations of the honest robots' poses, those that are published.
     """
 
     errors: np.ndarray
@@ -60,6 +61,7 @@ class Verdict:
     ms: float
     num_suspects: int
     faulty_chi2: float = math.nan
+    published_chi2: tuple[float, ...] = ()
 
 
 def judge(scene: Scene, solution: TeamSolution, ms: float, *, counts_rough: bool = True) -> Verdict:
@@ -91,7 +93,8 @@ def judge(scene: Scene, solution: TeamSolution, ms: float, *, counts_rough: bool
         is_exact=bool(np.all(truth == said)),
         ms=ms,
         num_suspects=len(solution.suspects),
-        faulty_chi2=_published_chi2(scene, solution),
+        faulty_chi2=next(iter(_published_chi2(scene, solution, scene.faulty)), math.nan),
+        published_chi2=_published_chi2(scene, solution, honest),
     )
 
 
@@ -114,12 +117,15 @@ def _errors(
     return errors, nees
 
 
-def _published_chi2(scene: Scene, solution: TeamSolution) -> float:
-    """Return how wrong the faulty robot's pose is, if `team_localizer` would publish it."""
-    for robot in scene.faulty:
-        if is_confirmed(solution, scene.views, scene.layout.names[robot], TeamConfig()):
-            return float(_errors(scene, solution, [robot])[1][0])
-    return math.nan
+def _published_chi2(
+    scene: Scene, solution: TeamSolution, robots: Sequence[int]
+) -> tuple[float, ...]:
+    """Return how wrong the poses of some robots are, those that `team_localizer` would publish."""
+    published = [
+        robot for robot in robots
+        if is_confirmed(solution, scene.views, scene.layout.names[robot], TeamConfig())
+    ]  # fmt: skip
+    return tuple(float(value) for value in _errors(scene, solution, published)[1])
 
 
 def figures(verdicts: Sequence[Verdict]) -> dict[str, Any]:
@@ -150,11 +156,18 @@ def figures(verdicts: Sequence[Verdict]) -> dict[str, Any]:
 
 
 def faulty_figures(verdicts: Sequence[Verdict]) -> dict[str, float]:
-    """Return how often the faulty robot's own pose is published, and published and wrong."""
+    """Return how often poses are published, and published and wrong: the faulty robot's, others'.
+
+    Shares are of all robots of a kind, also of those that are not published.
+    """
+    honest = np.concatenate([v.published_chi2 for v in verdicts])
+    num_honest = sum(len(v.nees) for v in verdicts)
     values = np.array([v.faulty_chi2 for v in verdicts])
     return {
         "faulty_published_share": float(np.isfinite(values).mean()),
         "faulty_wrong_share": float((values > WRONG_CHI2).mean()),
+        "honest_published_share": len(honest) / num_honest,
+        "honest_wrong_share": float((honest > WRONG_CHI2).sum()) / num_honest,
     }
 
 

@@ -151,19 +151,23 @@ def _fault_blocks(rows: Sequence[Mapping[str, Any]]) -> list[Any]:
         "suspected %",
         "its own pose %",
         "wrong %",
+        "others' poses %",
+        "others wrong %",
     ]
     cells = [
         [
             row["title"], _percent(row["identified_share"]), _percent(row["oracle_share"]),
             _number(row["rms_m"], 3), _nees(row), _percent(row["answered_share"]),
             _percent(row["suspects_share"]), _percent(row["faulty_published_share"]),
-            _percent(row["faulty_wrong_share"]),
+            _percent(row["faulty_wrong_share"]), _percent(row["honest_published_share"]),
+            _percent(row["honest_wrong_share"]),
         ]
         for row in rows
     ]  # fmt: skip
     text = (
         "its own pose: how often the robot at fault is given a pose that would be published; "
-        "wrong: how often that is more than 40 squared deviations off."
+        "wrong: how often that is more than 40 squared deviations off. others: the same of the "
+        "robots that are not at fault."
     )
     return [text, Table(header, cells)]
 

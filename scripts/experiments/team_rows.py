@@ -65,6 +65,11 @@ def _rows() -> Iterable[Row]:
         yield Row(table="faults", title=fault, fault=fault)
         yield Row(table="faults", title=f"{fault}, no posts", fault=fault, senses=_BLIND)
         yield Row(table="faults", title=f"{fault}, 4 robots", fault=fault, num_robots=4)
+        for num in (3, 4):
+            yield Row(
+                table="faults", title=f"{fault}, {num} robots, no posts", fault=fault,
+                num_robots=num, senses=_BLIND,
+            )  # fmt: skip
     for num, noise in ((4, 1.0), (4, 3.0), (6, 1.0), (10, 1.0)):
         title = f"published, {num} robots, {noise:g} deg"
         yield Row(

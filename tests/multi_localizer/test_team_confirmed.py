@@ -36,9 +36,61 @@ def told(
 
 def test_who_is_no_suspect_needs_no_witness_but_a_pose() -> None:
     solution, views = told(suspects=())
-    solution.identities["r0"][:] = NOBODY
+    for name in ("r1", "r2", "r3"):
+        solution.identities[name][:] = NOBODY
     assert is_confirmed(solution, views, "r0", CONFIG)
     assert not is_confirmed(replace(solution, estimates={}), views, "r0", CONFIG)
+
+
+@pytest.mark.parametrize(
+    ("num_fitting", "num_bearings", "is_said"),
+    [(3, 3, True), (2, 3, False), (3, 4, True), (2, 4, False), (4, 5, True), (3, 5, False),
+     (1, 6, True), (0, 0, True)],
+)  # fmt: skip
+def test_of_few_bearings_three_quarters_must_fit_somebody(
+    num_fitting: int, num_bearings: int, is_said: bool
+) -> None:
+    solution, views = told(suspects=())
+    ids = np.array([1] * num_fitting + [NOBODY] * (num_bearings - num_fitting), dtype=np.int64)
+    solution = replace(solution, identities={**solution.identities, "r0": ids})
+    assert is_confirmed(solution, views, "r0", CONFIG) == is_said
+
+
+def test_landmarks_that_fit_speak_for_a_robot_as_teammates_do() -> None:
+    solution, views = told(suspects=())
+    solution.identities["r0"][1:] = NOBODY
+    for num_marks, is_said in ((4, False), (5, True)):  # 5 of 7, 6 of 8
+        marks = {"r0": {"pole": np.arange(num_marks)}}
+        assert is_confirmed(
+            replace(solution, landmark_identities=marks), views, "r0", CONFIG
+        ) == is_said  # fmt: skip
+
+
+def test_a_bearing_to_each_robot_that_tells_nothing_may_be_nobodys() -> None:
+    solution, views = told(suspects=())
+    solution.identities["r0"][2:] = NOBODY
+    assert not is_confirmed(solution, views, "r0", CONFIG)
+    assert is_confirmed(solution, views, "r0", CONFIG, num_away=1)
+    solution.identities["r0"][1:] = NOBODY
+    assert not is_confirmed(solution, views, "r0", CONFIG, num_away=1)
+
+
+def test_a_robot_of_four_that_was_carried_away_rarely_gets_a_wrong_pose_published() -> None:
+    wrong = honest = 0
+    for seed in range(30):
+        views, _ = team(FOUR, seed=seed, noise=0.0175, landmarks={})
+        rough = views[0].rough
+        assert rough is not None
+        away = SE2(rough.pose.x + 3.0, rough.pose.y, rough.pose.yaw + 1.0)
+        views[0] = replace(views[0], rough=PoseEstimate(away, rough.cov))
+        solution = solve_team(views, {}, CONFIG)
+        for k, name in enumerate(solution.names):
+            if is_confirmed(solution, views, name, CONFIG):
+                pose = solution.estimates[name].pose.as_array()
+                is_off = np.hypot(*(pose - FOUR[k])[:2]) > 1.5
+                wrong += is_off and k == 0
+                honest += not is_off and k > 0
+    assert wrong <= 2 and honest >= 45
 
 
 def test_a_suspect_whom_three_see_where_it_is_said_to_be_is_confirmed() -> None:

@@ -200,3 +200,24 @@ def test_robots_of_which_nothing_is_known_end_the_solver_in_words_not_in_an_erro
     views, _ = team(poses, noise=0.0, landmarks={})
     views = [views[0], *(replace(view, rough=None) for view in views[1:])]
     assert "no pose of" in solve_team(views, {}).unobservable
+
+
+@pytest.mark.parametrize("sd", [10.0, 100.0, 1000.0])
+def test_a_rough_pose_that_nobody_knows_is_as_none(sd: float) -> None:
+    views, _ = team(SIX, seed=3)
+    away = SE2(40.0, -7.0, 0.0)
+    vague = replace(views[2], rough=PoseEstimate(away, np.diag([sd**2, sd**2, 0.1])))
+    without = solve_team([replace(v, rough=None) if v is views[2] else v for v in views], GOALS)
+    said = solve_team([vague if v is views[2] else v for v in views], GOALS)
+    assert said.notes == ("r2: its rough pose is too uncertain and left out",)
+    assert without.notes == () and list(said.estimates) == list(said.names)
+    for name, estimate in said.estimates.items():
+        assert estimate.pose == without.estimates[name].pose
+        assert np.array_equal(estimate.cov, without.estimates[name].cov)
+
+
+def test_three_robots_without_landmarks_are_told_that_nothing_holds_up_their_own_poses() -> None:
+    note = "3 robots without landmarks: a wrong own pose of one of them cannot be found"
+    assert solve_team(team(TRIANGLE, landmarks={})[0], {}).notes == (note,)
+    assert solve_team(team(TRIANGLE)[0], GOALS).notes == ()
+    assert solve_team(team(SIX[:4], landmarks={})[0], {}).notes == ()

@@ -236,7 +236,23 @@ def test_a_pose_of_the_faulty_robot_counts_only_where_it_would_be_published():
     refused = judge(scene, replace(wrong, suspects=("r0",)), 1.0)
     assert np.isnan(refused.faulty_chi2)
     both = faulty_figures([judge(scene, wrong, 1.0), refused])
-    assert both == {"faulty_published_share": 0.5, "faulty_wrong_share": 0.5}
+    assert both == {
+        "faulty_published_share": 0.5, "faulty_wrong_share": 0.5,
+        "honest_published_share": 1.0, "honest_wrong_share": 0.0,
+    }  # fmt: skip
+
+
+def test_a_wrong_pose_of_another_robot_counts_where_it_is_published():
+    scene = FAULTS["carried away"](see(random_layout(6, 6), Senses(noise=DEGREE), 6))
+    said = truthful(scene, np.diag([0.01, 0.01, 0.01]))
+    right = said.estimates["r1"].pose
+    off = PoseEstimate(SE2(right.x, right.y - 1.0, right.yaw), said.estimates["r1"].cov)
+    wrong = replace(said, estimates={**said.estimates, "r1": off})
+    shares = faulty_figures([judge(scene, wrong, 1.0)])
+    assert shares["honest_wrong_share"] == pytest.approx(0.2)  # one of five
+    refused = faulty_figures([judge(scene, replace(wrong, suspects=("r1",)), 1.0)])
+    assert refused["honest_published_share"] == pytest.approx(0.8)
+    assert refused["honest_wrong_share"] == 0.0
 
 
 def test_a_solver_can_be_told_another_noise_than_the_true_one():

@@ -86,12 +86,14 @@ class TeamAnswers:
             own = self._own_poses(moment)
             solution = self._over_time.follow(moment.stamp_ns, views, solution, self._motion, own)
         most = largest_change(start, views)
-        self._last = TeamAnswer(moment, solution, self._bases(solution, views), most)
+        bases = self._bases(solution, views, len(moment.missing))
+        self._last = TeamAnswer(moment, solution, bases, most)
         return self._last
 
     def configure(self, config: TeamConfig, filter_config: TeamFilterConfig | None) -> None:
         """Go on with other values."""
         self.config, self._filter_config = config, filter_config
+        self._inbox.solver = config
         self.forget()
 
     def forget(self) -> None:
@@ -146,11 +148,12 @@ class TeamAnswers:
         return replace(view, rough=guess, rough_from_landmarks=True)
 
     def _bases(
-        self, solution: TeamSolution, views: tuple[RobotView, ...]
+        self, solution: TeamSolution, views: tuple[RobotView, ...], num_away: int
     ) -> dict[str, PoseEstimate]:
         bases = {}
         for name, estimate in solution.estimates.items():
             mount = self._inbox.robots[name].mount
-            if mount is not None and is_confirmed(solution, views, name, self.config):
+            is_said = is_confirmed(solution, views, name, self.config, num_away)
+            if mount is not None and is_said:
                 bases[name] = moved(estimate, mount.inverse())
         return bases

@@ -1,4 +1,7 @@
-"""Whether a suspect's pose is held up by the others: only then is it said.
+"""Whether a robot's pose is held up by what is seen: only then is it said.
+
+Of few bearings nearly all must fit somebody, or the robot may be elsewhere or make them up: one
+fits by chance often enough, and in a small team there is nobody else to ask.
 
 What a suspect sends is not believed until its teammates have said where it stands: the bearings
 that they have of it, of those that it returns, must cross at one place, and at the pose found for
@@ -18,16 +21,28 @@ from multi_localizer.team_views import NOBODY, RobotView, TeamSolution
 _WORST_SD_M = 0.5  # along the axis known worst; rays nearer to parallel confirm nothing
 _FEWEST_FITTING = 3  # one is used up by the yaw, one fits by chance
 _LEAST_FITTING = 0.75  # share
+_FEW = 6  # bearings to robots: of as many, a wrong pose makes a suspect
 
 
 def is_confirmed(
-    solution: TeamSolution, views: Sequence[RobotView], name: str, config: TeamConfig
-) -> bool:
-    """Return whether a robot's pose may be said: it is no suspect, or the others confirm it."""
+    solution: TeamSolution, views: Sequence[RobotView], name: str, config: TeamConfig,
+    num_away: int = 0,
+) -> bool:  # fmt: skip
+    """Return whether a robot's pose may be said: what it sees fits, a suspect's the others confirm.
+
+    Args:
+        solution: All poses and identities.
+        views: What they were made of.
+        name: Of the robot.
+        config: As in `solve_team`.
+        num_away: Robots that tell nothing: each may be seen, and that bearing is nobody's.
+    """
     if name not in solution.estimates:
         return False
+    fitting, total = _fitting(solution, name)
     if name not in solution.suspects:
-        return True
+        is_many = len(solution.identities.get(name, ())) >= _FEW
+        return is_many or fitting >= _LEAST_FITTING * (total - num_away)
     fix = _crossing(solution, views, name, config)
     if fix is None:
         return False
@@ -35,7 +50,6 @@ def is_confirmed(
     pose = solution.estimates[name].pose
     off = np.array([pose.x, pose.y]) - place
     is_there = float(off @ np.linalg.solve(cov, off)) <= config.gate_sd**2
-    fitting, total = _fitting(solution, name)
     return is_there and fitting >= _FEWEST_FITTING and fitting >= _LEAST_FITTING * total
 
 
@@ -70,6 +84,10 @@ def _crossing(
 
 def _fitting(solution: TeamSolution, name: str) -> tuple[int, int]:
     """Return how many of the bearings that a robot has, to robots and landmarks, fit; of all."""
-    whose = [solution.identities[name], *solution.landmark_identities.get(name, {}).values()]
+    none = np.zeros(0, dtype=np.int64)
+    whose = [
+        solution.identities.get(name, none),
+        *solution.landmark_identities.get(name, {}).values(),
+    ]
     identities = np.concatenate([np.asarray(ids) for ids in whose])
     return int(np.count_nonzero(identities != NOBODY)), len(identities)

@@ -20,6 +20,8 @@ from multi_localizer.team_state import Identification
 from multi_localizer.team_trust import doubted, liars, needed_trust, trust, without
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
 
+_TOO_FEW = 3  # robots: with any own pose there is a layout in which all of their bearings fit
+
 
 def solve_team(
     views: Sequence[RobotView],
@@ -42,9 +44,18 @@ def solve_team(
     found, suspects, notes = _believed(problem, settle(problem, config), config)
     fit = _final_fit(problem, found, config)
     solution = _solution(problem, views, found, fit, config)
-    solution = replace(solution, suspects=suspects, notes=(*problem.notes, *notes))
+    notes = (*problem.notes, *notes, *_unsafe(problem, found))
+    solution = replace(solution, suspects=suspects, notes=notes)
     objects = locate_objects(views, solution, config)
     return replace(solution, objects=objects)
+
+
+def _unsafe(problem: TeamProblem, found: Identification) -> tuple[str, ...]:
+    """Return what is to be said where nothing would contradict a wrong rough pose."""
+    num, has_mark = problem.num_robots, bool((found.mark_seen >= 0).any())
+    if not 1 < num <= _TOO_FEW or has_mark or not problem.has_prior.any():
+        return ()
+    return (f"{num} robots without landmarks: a wrong own pose of one of them cannot be found",)
 
 
 def _believed(

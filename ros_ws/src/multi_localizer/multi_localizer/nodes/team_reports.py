@@ -140,6 +140,8 @@ class TeamReports:
         if name not in answer.bases:
             if name in answer.solution.suspects:
                 return ERROR, "contradicts the others, and they do not confirm where it is"
+            if name in answer.solution.estimates:
+                return WARN, "too little of what it sees fits anybody"
             return WARN, answer.solution.unobservable or answer.solution.problem or "not located"
         sd = np.sqrt(np.diag(answer.bases[name].cov))
         values["deviation (m)"] = f"{math.hypot(sd[0], sd[1]):.3f}"
