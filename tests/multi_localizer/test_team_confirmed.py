@@ -71,6 +71,8 @@ def test_a_bearing_to_each_robot_that_tells_nothing_may_be_nobodys() -> None:
     solution.identities["r0"][2:] = NOBODY
     assert not is_confirmed(solution, views, "r0", CONFIG)
     assert is_confirmed(solution, views, "r0", CONFIG, num_away=1)
+    blind = [replace(view, bearings=np.zeros(0)) if view.name == "r2" else view for view in views]
+    assert is_confirmed(solution, blind, "r0", CONFIG)
     solution.identities["r0"][1:] = NOBODY
     assert not is_confirmed(solution, views, "r0", CONFIG, num_away=1)
 

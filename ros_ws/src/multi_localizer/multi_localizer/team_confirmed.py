@@ -35,14 +35,16 @@ def is_confirmed(
         views: What they were made of.
         name: Of the robot.
         config: As in `solve_team`.
-        num_away: Robots that tell nothing: each may be seen, and that bearing is nobody's.
+        num_away: Robots of the team that have no view. They, and those that see nobody, may be
+            seen, and that bearing is nobody's.
     """
     if name not in solution.estimates:
         return False
     fitting, total = _fitting(solution, name)
     if name not in solution.suspects:
         is_many = len(solution.identities.get(name, ())) >= _FEW
-        return is_many or fitting >= _LEAST_FITTING * (total - num_away)
+        num_silent = num_away + sum(not len(view.bearings) for view in views if view.name != name)
+        return is_many or fitting >= _LEAST_FITTING * (total - num_silent)
     fix = _crossing(solution, views, name, config)
     if fix is None:
         return False
