@@ -20,7 +20,7 @@ from multi_localizer.team_state import Identification
 from multi_localizer.team_trust import doubted, liars, needed_trust, trust, without
 from multi_localizer.team_views import NOBODY, RobotView, TeamSolution, view_problem
 
-_TOO_FEW = 3  # robots: with any own pose there is a layout in which all of their bearings fit
+_TOO_FEW = 3  # robots: bearings get other owners until they fit a wrong rough pose, too
 
 
 def solve_team(
@@ -55,7 +55,7 @@ def _unsafe(problem: TeamProblem, found: Identification) -> tuple[str, ...]:
     num, has_mark = problem.num_robots, bool((found.mark_seen >= 0).any())
     if not 1 < num <= _TOO_FEW or has_mark or not problem.has_prior.any():
         return ()
-    return (f"{num} robots without landmarks: a wrong own pose of one of them cannot be found",)
+    return (f"{num} robots without landmarks: a wrong own pose of one of them may go unnoticed",)
 
 
 def _believed(
