@@ -31,6 +31,14 @@ def ell() -> FloorPlan:
     )
 
 
+def alcoves() -> FloorPlan:
+    """A corridor of 8 m with seven like alcoves, their distances from its two ends unlike."""
+    corners = [(0.0, 0.0), (8.0, 0.0), (8.0, 1.2)]
+    for k in range(7, 0, -1):
+        corners += [(k + 0.6, 1.2), (k + 0.6, 1.8), (k + 0.1, 1.8), (k + 0.1, 1.2)]
+    return FloorPlan(np.array([*corners, (0.0, 1.2)]))
+
+
 def mask_of(
     camera: FloorCamera,
     plan: FloorPlan,

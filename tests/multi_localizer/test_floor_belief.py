@@ -8,6 +8,7 @@ import pytest
 from floornav_common.se2 import SE2
 from multi_localizer.floor_belief import (
     Hypothesis,
+    begun,
     drifted,
     fit_likelihoods,
     followed,
@@ -30,9 +31,12 @@ def estimate(x: float) -> PoseEstimate:
     return PoseEstimate(SE2(x, 0.0, 0.0), COV)
 
 
-def follow(old: list[Hypothesis], *xs: float, likelihoods: object = None) -> list[Hypothesis]:
+def follow(
+    old: list[Hypothesis], *xs: float, likelihoods: object = None, is_sound: bool = True
+) -> list[Hypothesis]:
     likely = np.ones(len(xs)) if likelihoods is None else np.array(likelihoods)
-    return followed(old, [estimate(x) for x in xs], likely, 1.0, CONFIG)
+    sound = [is_sound] * len(xs)
+    return followed(old, [estimate(x) for x in xs], likely, 1.0, CONFIG, sound)
 
 
 @pytest.mark.parametrize("num", [2, 3, 12, 40])
@@ -106,3 +110,14 @@ def test_what_is_open_is_said_with_what_would_tell() -> None:
     both = [at(0.0), at(1.0)]
     assert "2 poses fit alike: no goal (blue or red)" in why_open(both, ("blue", "red"), 3)
     assert "initialpose" in why_open(both, (), 3)
+
+
+def test_masks_that_mostly_contradict_a_pose_count_only_after_one_that_does_not() -> None:
+    (begun_badly,) = begun([estimate(0.0)], np.ones(1), [False])
+    assert begun_badly.num_masks == 0 and "has not fitted" in why_open([begun_badly], (), 3)
+    (still,) = follow([begun_badly], 0.0, is_sound=False)
+    assert still.num_masks == 0
+    (once,) = follow([still], 0.0)
+    assert once.num_masks == 1
+    (on,) = follow([once], 0.0, is_sound=False)
+    assert on.num_masks == 2

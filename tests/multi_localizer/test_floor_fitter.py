@@ -8,14 +8,14 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-from floor_masks import ell, first_wall, mask_of, rectangle, small_camera
+from floor_masks import alcoves, ell, first_wall, mask_of, rectangle, small_camera
 from scipy.stats import chi2
 
 from floornav_common.calibration import calibration_of
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2
 from multi_localizer.floor_config import FloorFitConfig
-from multi_localizer.floor_fitter import FloorShapeFitter
+from multi_localizer.floor_fitter import CLEAR_COST, FloorShapeFitter
 from multi_localizer.floor_plan import FloorPlan, load_plan
 from multi_localizer.floor_rays import rays_of_pixels
 from multi_localizer.pose_estimate import PoseEstimate, difference
@@ -26,7 +26,7 @@ CAMERA = small_camera()
 
 @lru_cache
 def fitter_of(name: str) -> FloorShapeFitter:
-    plans = {"rectangle": rectangle(2.74, 1.525), "ell": ell()}
+    plans = {"rectangle": rectangle(2.74, 1.525), "ell": ell(), "alcoves": alcoves()}
     plan = plans[name] if name in plans else load_plan(name)
     return FloorShapeFitter(CAMERA, plan)
 
@@ -240,3 +240,31 @@ def test_a_guess_far_from_what_fits_does_not_keep_rivals_from_being_looked_for(m
     fitter.fit_border(fitter.scanner.scan(mask), PoseEstimate(SE2(-0.9, -0.4, 2.0), cov))
     fitter.fit_border(fitter.scanner.scan(mask))
     assert searched == [1, 1]
+
+
+@pytest.mark.parametrize("x", [3.39, 4.40, 5.28])
+def test_places_that_look_alike_are_all_candidates_however_well_they_fit(x):
+    fitter, pose = fitter_of("alcoves"), SE2(x, 1.38, 0.4)
+    fit = fitter.fit(mask_of(CAMERA, fitter.plan, pose))
+    assert fit.costs[0] < CLEAR_COST and len(fit.candidates) >= 2
+    apart = [c.pose.x - fit.candidates[0].pose.x for c in fit.candidates]
+    assert np.abs(np.array(apart) - np.round(apart)).max() < 0.02  # alcoves are 1 m apart
+
+
+def test_the_whole_border_tells_a_nearly_square_rooms_poses_apart():
+    """Of few pieces of border a quarter turn fits nearly as well, of all of them it does not."""
+    fitter = FloorShapeFitter(CAMERA, rectangle(2.0, 1.95))
+    for pose in random_poses(fitter.plan, 12, 3):
+        fit = fitter.fit(mask_of(CAMERA, fitter.plan, pose))
+        assert len(fit.candidates) == 2
+        assert_found(fit, pose)
+
+
+def test_with_a_quarter_hidden_what_fits_worse_by_far_stays_a_candidate():
+    fitter, pose = FloorShapeFitter(CAMERA, rectangle(2.0, 1.7)), SE2(0.2, 0.1, 0.5)
+    posts = tuple(
+        (pose.x + 0.4 * math.cos(a), pose.y + 0.4 * math.sin(a), 0.1) for a in (0.2, 2.3, 4.4)
+    )
+    fit = fitter.fit(mask_of(CAMERA, fitter.plan, pose, posts))
+    assert fit.costs[0] > CLEAR_COST and fit.costs[-1] > fit.costs[0] + 0.1
+    assert_found(fit, pose)

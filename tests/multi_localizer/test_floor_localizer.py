@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from floor_masks import rectangle
+from floor_masks import alcoves, mask_of, rectangle, small_camera
 
 from floornav_common.camera_files import load_camera_model
 from floornav_common.floor_camera import FloorCamera
@@ -92,6 +92,63 @@ def test_how_well_each_pose_fits_is_handed_on() -> None:
     for k in range(8):
         localizer.take_mask(k * 100_000_000, mask_where(IS_FLOOR), SE2.identity(), SE2.identity())
     assert localizer.tracker.state is TrackState.KNOWN
+
+
+@pytest.mark.parametrize(
+    ("is_first_only", "cost", "is_known"),
+    [(False, 0.54, True), (False, 0.7, False), (True, 0.54, True), (True, 0.7, False)],
+)
+def test_the_pose_is_not_known_before_a_mask_that_most_of_the_border_fits(
+    is_first_only: bool, cost: float, is_known: bool
+) -> None:
+    good = replace(fits(BASE), costs=(0.2,))
+    bad = replace(good, first_cost=cost) if is_first_only else replace(good, costs=(cost,))
+    localizer, made = with_fake(bad)
+
+    def take(num: int) -> None:
+        for _ in range(num):
+            stamp_ns = (localizer.tracker.stamp_ns or 0) + 100_000_000
+            localizer.take_mask(stamp_ns, mask_where(IS_FLOOR), SE2.identity(), SE2.identity())
+
+    take(8)
+    assert (localizer.tracker.state is TrackState.KNOWN) is is_known
+    assert ("has not fitted" in localizer.tracker.reason) is not is_known
+    made[0].answer = good
+    take(3)
+    assert localizer.tracker.state is TrackState.KNOWN
+    made[0].answer = bad  # people come: what is known stays known
+    take(8)
+    assert localizer.tracker.state is TrackState.KNOWN
+
+
+def test_a_person_who_says_where_it_is_is_believed_though_most_of_the_border_is_hidden() -> None:
+    localizer, _ = with_fake(replace(fits(BASE), costs=(0.7,)))
+    localizer.tracker.relocate(PoseEstimate(BASE, COV))
+    for k in range(4):
+        localizer.take_mask(k * 100_000_000, mask_where(IS_FLOOR), SE2.identity(), SE2.identity())
+    assert localizer.tracker.state is TrackState.KNOWN
+
+
+@pytest.mark.parametrize(
+    ("pose", "state", "word"),
+    [
+        (SE2(4.4, 1.38, 0.4), TrackState.OPEN, "poses fit alike"),
+        (SE2(6.76108, 0.18170, -1.86489), TrackState.OPEN, "has not fitted"),
+        (SE2(6.84634, 0.16500, -1.82401), TrackState.KNOWN, ""),
+    ],
+    ids=["one of seven like alcoves", "not found: floor behind walls", "in view of an end"],
+)
+def test_a_corridor_of_like_alcoves_is_known_where_it_can_be(
+    pose: SE2, state: TrackState, word: str
+) -> None:
+    camera, plan = small_camera(), alcoves()
+    localizer = FloorLocalizer(camera, plan, FloorPoseConfig())
+    mask = mask_of(camera, plan, pose)
+    for k in range(8):
+        localizer.take_mask(k * 100_000_000, mask, SE2.identity(), SE2.identity())
+    assert localizer.tracker.state is state and word in localizer.tracker.reason
+    if state is TrackState.KNOWN:
+        assert np.abs(difference(localizer.tracker.estimate.pose, pose)).max() < 0.02
 
 
 def test_the_fitter_says_how_much_of_the_border_fits() -> None:

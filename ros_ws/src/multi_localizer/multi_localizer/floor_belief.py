@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from multi_localizer.floor_misfit import ODD_COST
 from multi_localizer.floor_node_config import FloorTrackConfig
 from multi_localizer.pose_estimate import PoseEstimate, mahalanobis
 
@@ -16,7 +17,10 @@ MIN_FOLLOWED = 0.1  # with less of the belief followed, it is the robot that has
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A pose that may be the robot's, its share of the belief, and in how many masks it was."""
+    """A pose that may be the robot's, its share of the belief, and in how many masks it was.
+
+    Masks that mostly contradict it do not count before one that does not: 0.
+    """
 
     estimate: PoseEstimate
     share: float
@@ -66,12 +70,32 @@ def fit_likelihoods(
     return np.asarray(likelihoods**newness)
 
 
+def sound_ones(costs: Sequence[float], num: int, first_cost: float) -> list[bool]:
+    """Return which of the poses that fit most of the border does not contradict, (num,).
+
+    Args:
+        costs: Share of the border that does not fit; empty if nobody says.
+        num: How many poses there are.
+        first_cost: That of the best before what lies behind walls was left out.
+    """
+    return [max(cost, first_cost) <= ODD_COST for cost in costs] if len(costs) else [True] * num
+
+
+def begun(
+    candidates: Sequence[PoseEstimate], likelihoods: np.ndarray, are_sound: Sequence[bool]
+) -> list[Hypothesis]:
+    """Return poses that follow from nothing, seen in a mask that fits them soundly or not."""
+    each = zip(candidates, likelihoods, are_sound, strict=True)
+    return [Hypothesis(c, float(s), int(is_sound)) for c, s, is_sound in each]
+
+
 def followed(
     old: Sequence[Hypothesis],
     candidates: Sequence[PoseEstimate],
     likelihoods: np.ndarray,
     newness: float,
     config: FloorTrackConfig,
+    are_sound: Sequence[bool],
 ) -> list[Hypothesis]:
     """Return the candidates that follow from the belief; none if most of it has no follower.
 
@@ -84,6 +108,7 @@ def followed(
         likelihoods: Of the candidates.
         newness: How much of a new image this one is, 0 to 1.
         config: Gate and shares.
+        are_sound: Of the candidates, whether the mask fits them well enough to begin with.
     """
     shares, nums = np.zeros(len(candidates)), np.zeros(len(candidates), dtype=int)
     gone = []
@@ -97,9 +122,9 @@ def followed(
             gone.append(h)
     if shares.sum() < MIN_FOLLOWED:
         return []
+    each = zip(candidates, shares * likelihoods, nums, are_sound, strict=True)
     new = [
-        Hypothesis(c, float(s), int(n) + 1)
-        for c, s, n in zip(candidates, shares * likelihoods, nums, strict=True)
+        Hypothesis(c, float(s), int(n) + 1 if n or is_sound else 0) for c, s, n, is_sound in each
     ]
     faded = config.worst_fit**newness
     rest = [replace(h, share=faded * h.share) for h in gone]
@@ -108,6 +133,8 @@ def followed(
 
 def why_open(hypotheses: Sequence[Hypothesis], goals: Sequence[str], settle_masks: int) -> str:
     """Return what keeps the likeliest pose from being known, and what would tell."""
+    if hypotheses[0].num_masks == 0:
+        return f"more than {ODD_COST:.0%} of the border has not fitted it in any mask yet"
     if len(hypotheses) == 1:
         return f"{hypotheses[0].num_masks} of {settle_masks} masks have shown it yet"
     alike = f"{len(hypotheses)} poses fit alike"

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,7 +38,9 @@ MAX_FITS = 12
 POLISH_STEPS = 8
 FIRST_PX, FINE_PX = 36.0, 4.0
 SURE_COST = 0.4  # of a fit that follows from the guess: it will do
-CLEAR_COST = 0.15  # of any fit: below it nothing else fits nearly as well
+CLEAR_COST = 0.15  # of any fit: below it what fits much worse is no rival
+NEAR_COST = 0.05  # so much worse than a clear fit may only be how few pieces were looked at
+ALIKE_CHI2 = 100.0  # of the whole border; neighbors err together
 FOLLOWED = 0.3, 0.3  # m, rad: a fit so near the guess follows from it
 NOWHERE, NONE = np.empty(0, dtype=np.int64), np.empty((0, 5))
 
@@ -56,6 +59,7 @@ class FloorFit:
         offset_px: How far inside the walls the border lies.
         costs: Of each candidate, the share of the border that does not fit it; floor behind walls
             costs more.
+        first_cost: The same of the best with all that lies behind walls, which is left out later.
     """
 
     candidates: tuple[PoseEstimate, ...]
@@ -65,6 +69,23 @@ class FloorFit:
     problem: str
     offset_px: float = 0.0
     costs: tuple[float, ...] = ()
+    first_cost: float = 0.0
+
+
+class _Polished(NamedTuple):
+    """A fit of the whole border.
+
+    Attributes:
+        fit: With its one pose, or why there is none.
+        behind: Paths on which there is floor behind the walls.
+        apart_px: How far each piece lies from the walls, (N,).
+        sd_px: Deviation of a piece.
+    """
+
+    fit: FloorFit
+    behind: np.ndarray = NOWHERE
+    apart_px: np.ndarray = NOWHERE
+    sd_px: float = math.nan
 
 
 class FloorShapeFitter:
@@ -116,8 +137,9 @@ class FloorShapeFitter:
         fit, behind = self._decided(border, found)
         if fit.problem or len(behind) < MIN_BEHIND:
             return fit
-        border = self.scanner.scan(mask, behind)
-        return self._decided(border, self._fits(border, found[:, :3], FINE_PX))[0]
+        border, first = self.scanner.scan(mask, behind), fit.costs[0]
+        fit, _ = self._decided(border, self._fits(border, found[:, :3], FINE_PX))
+        return replace(fit, first_cost=first)
 
     def fit_border(self, border: BorderRays, guess: PoseEstimate | None = None) -> FloorFit:
         """Return the poses that a border fits."""
@@ -159,20 +181,31 @@ class FloorShapeFitter:
             return _none(few), NOWHERE
         if not len(found):
             return _none("the border fits no pose on the plan"), NOWHERE
+        is_clear = found[0, 4] < CLEAR_COST
         worst = 1.0 - self.config.rival * (1.0 - found[0, 4])
-        rivals = found[:1] if found[0, 4] < CLEAR_COST else found[found[:, 4] <= worst]
+        rivals = found[found[:, 4] <= (found[0, 4] + NEAR_COST if is_clear else worst)]
         fits = [self._polished(border, rival) for rival in rivals]
-        best, behind = fits[0]
-        if best.problem:
-            return best, behind
-        good = [(f.candidates[0], r[4]) for (f, _), r in zip(fits, rivals, strict=True)
-                if not f.problem]  # fmt: skip
-        mates = [(placed(s, pose), cost) for pose, cost in good for s in self.plan.symmetries]
+        if fits[0].fit.problem:
+            return fits[0].fit, fits[0].behind
+        good = [(f, r[4]) for f, r in zip(fits, rivals, strict=True) if not f.fit.problem]
+        if is_clear and len(good) > 1:
+            good = self._alike(good)
+        best = good[0][0]
+        mates = [(placed(s, f.fit.candidates[0]), cost) for f, cost in good
+                 for s in self.plan.symmetries]  # fmt: skip
         candidates, costs = zip(*mates, strict=True)
-        return replace(best, candidates=candidates, costs=tuple(map(float, costs))), behind
+        costs = tuple(map(float, costs))
+        return replace(best.fit, candidates=candidates, costs=costs), best.behind
 
-    def _polished(self, border: BorderRays, start: np.ndarray) -> tuple[FloorFit, np.ndarray]:
-        """Return the fit of all of the border, what speaks against it, and what is behind walls."""
+    def _alike(self, fits: list[tuple[_Polished, float]]) -> list[tuple[_Polished, float]]:
+        """Return those that the whole border fits nearly as well as the best, the best first."""
+        sd, gate = max(f.sd_px for f, _ in fits), self.config.gate_sd
+        chi2 = [float((np.minimum(f.apart_px / sd, gate) ** 2).sum()) for f, _ in fits]
+        order = np.argsort(chi2, kind="stable")
+        return [fits[k] for k in order if chi2[k] - chi2[order[0]] < ALIKE_CHI2]
+
+    def _polished(self, border: BorderRays, start: np.ndarray) -> _Polished:
+        """Return the fit of all of the border, or what speaks against it."""
         state, cov, sd, is_settled, weights, rows = polish(
             border.values, border.moves, start[:3], start[3], self.walls, self._limits,
             POLISH_STEPS,
@@ -181,18 +214,20 @@ class FloorShapeFitter:
         num, square, beyond = summary(rows, weights, offset, self.config.gate_sd * sd)
         hidden, rms = 1.0 - num / border.num_paths, math.sqrt(square)
         if not is_settled:
-            return _none("the fit of the border comes to no rest", num, hidden), NOWHERE
+            return _Polished(_none("the fit of the border comes to no rest", num, hidden))
         if num < MIN_PIECES or not np.isfinite(cov).all() or not np.isfinite(state).all():
-            return _none("the border fits no pose on the plan", num, hidden), NOWHERE
+            return _Polished(_none("the border fits no pose on the plan", num, hidden))
         found = PolishedFit(state[:3], cov, sd, offset, hidden, beyond)
         problem = doubt(found, self.plan, self.config)
         if problem:
-            return _none(problem, num, hidden, rms), NOWHERE
+            return _Polished(_none(problem, num, hidden, rms))
         estimate = PoseEstimate(SE2(*state[:3].tolist()), cov)
         if self._T_camera_base.distance > 0.0:
             estimate = moved(estimate, self._T_camera_base)
-        behind = border.index[rows[:, 0] - offset < -BEHIND_PX]
-        return FloorFit((estimate,), num, rms, hidden, "", offset), behind
+        off = rows[:, 0] - offset
+        apart = np.where(rows[:, 4] >= 0, np.abs(off), np.inf)
+        fit = FloorFit((estimate,), num, rms, hidden, "", offset)
+        return _Polished(fit, border.index[off < -BEHIND_PX], apart, float(sd))
 
 
 def _follows(found: np.ndarray, guess: np.ndarray) -> bool:

@@ -90,7 +90,9 @@ class FloorLocalizer:
         self.misfit.note(stamp_ns, fit)
         T_floor_base = T_base_floor.inverse()
         candidates = [moved(c, T_floor_base) for c in fit.candidates]
-        self.tracker.update(stamp_ns, candidates, fit.problem, T_odom_base, fit.costs)
+        self.tracker.update(
+            stamp_ns, candidates, fit.problem, T_odom_base, fit.costs, fit.first_cost
+        )
 
     def warm_up(self) -> None:
         """Compile what is compiled, on a mask of the camera's size; nothing is kept of it."""

@@ -105,13 +105,9 @@ class FloorTracker:
         return self._moved(self._hypotheses[0].estimate, stamp_ns, T_odom_base)
 
     def update(
-        self,
-        stamp_ns: int,
-        candidates: Sequence[PoseEstimate],
-        problem: str,
-        T_odom_base: SE2 | None,
-        costs: Sequence[float] = (),
-    ) -> None:
+        self, stamp_ns: int, candidates: Sequence[PoseEstimate], problem: str,
+        T_odom_base: SE2 | None, costs: Sequence[float] = (), first_cost: float = 0.0,
+    ) -> None:  # fmt: skip
         """Take what a mask fits.
 
         Args:
@@ -119,8 +115,8 @@ class FloorTracker:
             candidates: Poses of base_link that fit it, at least one unless there is a problem.
             problem: Why there are none; "" if there are.
             T_odom_base: Where odometry has the robot at the stamp; None without odometry.
-            costs: Of each candidate, the share of the border that does not fit it; none if not
-                known.
+            costs: Of each candidate, the share of the border that does not fit; none: not known.
+            first_cost: That of the best before what lies behind walls was left out.
         """
         newness = self._go_on(stamp_ns, T_odom_base)
         if T_odom_base is None and self._silent_s(stamp_ns) > self.config.lost_after_s:
@@ -132,11 +128,12 @@ class FloorTracker:
             return
         c = self.config
         likelihoods = belief.fit_likelihoods(costs, len(candidates), newness, c)
-        new = belief.followed(self._hypotheses, candidates, likelihoods, newness, c)
+        are_sound = belief.sound_ones(costs, len(candidates), first_cost)
+        new = belief.followed(self._hypotheses, candidates, likelihoods, newness, c, are_sound)
         if new:
             self._strange_since_ns = None
         elif self._is_anew(stamp_ns):
-            new = [Hypothesis(e, float(s)) for e, s in zip(candidates, likelihoods, strict=True)]
+            new = belief.begun(candidates, likelihoods, are_sound)
         if new:
             self._hypotheses, self._fresh = belief.ranked(new, c.least_share), True
             self._followed_ns = stamp_ns
@@ -169,6 +166,8 @@ class FloorTracker:
         shares = self._told.choose(poses, self.config.gate_sd)
         if shares is not None:
             self._set_shares(shares)
+            best, *rest = self._hypotheses
+            self._hypotheses = [replace(best, num_masks=max(1, best.num_masks)), *rest]
 
     def _silent_s(self, stamp_ns: int) -> float:
         """Return how long no mask has shown where the robot is."""
