@@ -12,6 +12,7 @@ from floor_masks import alcoves, ell, first_wall, mask_of, rectangle, small_came
 from scipy.stats import chi2
 
 from floornav_common.calibration import calibration_of
+from floornav_common.camera_files import load_camera_model
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.se2 import SE2
 from multi_localizer.floor_config import FloorFitConfig
@@ -268,3 +269,12 @@ def test_with_a_quarter_hidden_what_fits_worse_by_far_stays_a_candidate():
     fit = fitter.fit(mask_of(CAMERA, fitter.plan, pose, posts))
     assert fit.costs[0] > CLEAR_COST and fit.costs[-1] > fit.costs[0] + 0.1
     assert_found(fit, pose)
+
+
+@pytest.mark.parametrize("size", [(3.1, 1.525), (2.0, 1.0)])
+def test_a_border_that_fits_worse_than_nothing_gives_no_pose(size):
+    """The best costs over 1: a disk of floor in which no piece of the border is at a wall."""
+    plan, camera = rectangle(*size), load_camera_model("soccer_small_size")
+    mask = camera.floor_mask(0.3 * plan.reach).astype(np.uint8)
+    fit = FloorShapeFitter(camera, plan).fit(mask)
+    assert fit.problem and fit.candidates == ()

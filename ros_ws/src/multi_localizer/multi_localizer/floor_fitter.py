@@ -182,8 +182,9 @@ class FloorShapeFitter:
         if not len(found):
             return _none("the border fits no pose on the plan"), NOWHERE
         is_clear = found[0, 4] < CLEAR_COST
-        worst = 1.0 - self.config.rival * (1.0 - found[0, 4])
-        rivals = found[found[:, 4] <= (found[0, 4] + NEAR_COST if is_clear else worst)]
+        near = found[0, 4] + NEAR_COST
+        worst = near if is_clear else max(near, 1.0 - self.config.rival * (1.0 - found[0, 4]))
+        rivals = found[found[:, 4] <= worst]
         fits = [self._polished(border, rival) for rival in rivals]
         if fits[0].fit.problem:
             return fits[0].fit, fits[0].behind
