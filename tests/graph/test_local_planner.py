@@ -379,11 +379,8 @@ SENDER = (Path(__file__).with_name("listening.py"), "sjmc_planner.nodes.send_goa
 
 def test_a_goal_sent_by_the_command_is_followed_until_it_is_reached(launch, start):
     run = launch(goal=False)
-    goals = run.peer.collect(PoseStamped, "goal_pose", 5)
     far = start(*SENDER, "--ros-args", "-p", "x_m:=2.0", "-p", "y_m:=-0.5")
-    run.robot.until(lambda: bool(goals) and "driving, 2.06 m left" in far.text)
-    assert goals[0].header.frame_id == "odom"
-    assert (goals[0].pose.position.x, goals[0].pose.position.y) == (2.0, -0.5)
+    run.robot.until(lambda: "driving, 2.06 m left" in far.text)
     assert far.stop(signal.SIGINT) == 0 and "reached" not in far.text
     here = start(*SENDER, "--ros-args", "-p", "x_m:=0.0")
     run.robot.until(lambda: here.has_ended)
@@ -391,10 +388,12 @@ def test_a_goal_sent_by_the_command_is_followed_until_it_is_reached(launch, star
 
 
 def test_a_goal_that_nobody_listens_to_is_said_and_one_sent_without_waiting_is_enough(start, peer):
-    given = ("--ros-args", "-p", "x_m:=1", "-p", "waits:=false")
+    given = ("--ros-args", "-p", "x_m:=1", "-p", "y_m:=-0.5", "-p", "waits:=false")
     sender = start(*SENDER, *given)
     sender.wait_for("nobody listens to /goal_pose")
     goals = peer.collect(PoseStamped, "goal_pose", 5)
     peer.spin_until(lambda: sender.has_ended)
     assert sender.wait_for_exit() == 0
     peer.spin_until(lambda: goals)
+    assert goals[0].header.frame_id == "odom"
+    assert (goals[0].pose.position.x, goals[0].pose.position.y) == (1.0, -0.5)

@@ -36,3 +36,11 @@ def test_a_state_is_said_once_though_its_figures_change() -> None:
     assert progress.update("stopped", "scan is 0.7 s old") == ""
     assert progress.update("stopped", "no odom") == "stopped: no odom"
     assert progress.update("driving", "") == "driving"
+
+
+def test_a_planner_without_a_goal_is_told_from_one_that_has_it() -> None:
+    progress = GoalProgress()
+    assert not progress.is_idle
+    for state, is_idle in (("idle", True), ("driving", False), ("reached", False), ("idle", True)):
+        progress.update(state, "no goal" if is_idle else "")
+        assert progress.is_idle == is_idle

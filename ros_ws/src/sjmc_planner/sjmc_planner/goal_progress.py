@@ -19,10 +19,11 @@ class GoalProgress:
 
     Attributes:
         is_reached: Whether it stands at the goal.
+        is_idle: Whether it said last that it has no goal.
     """
 
     def __init__(self) -> None:
-        self.is_reached = False
+        self.is_reached = self.is_idle = False
         self._is_on_its_way = False
         self._num_reached = 0
         self._said = ("", "")
@@ -34,6 +35,7 @@ class GoalProgress:
             state: As on `planner/state`.
             reason: Beside it; figures, and what is behind " is ", make no new line.
         """
+        self.is_idle = state == _IDLE
         self._is_on_its_way |= state not in (REACHED, _IDLE, "")
         self._num_reached = self._num_reached + 1 if state == REACHED else 0
         self.is_reached = state == REACHED and (self._is_on_its_way or self._num_reached >= _SURELY)

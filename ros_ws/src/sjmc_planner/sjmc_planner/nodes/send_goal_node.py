@@ -26,6 +26,7 @@ from sjmc_planner.goal_progress import GoalProgress
 
 _PERIOD_S = 0.5
 _NUM_SENDS = 3  # a publisher knows of its listener before that one hears it
+_MOST_SENDS = 20  # to a planner that goes on saying that it has no goal
 _SAY_PERIOD_S = 5.0
 
 
@@ -52,18 +53,24 @@ class SendGoalNode(FloornavNode):
                 "local_planner with goal_source:=goal_pose, in this ROS_DOMAIN_ID",
                 throttle_duration_sec=_SAY_PERIOD_S,
             )
-        elif self._num_sent < _NUM_SENDS:
+        elif self._num_sent < _NUM_SENDS or self._is_unheard:
             self._num_sent += 1
             self._goal_pub.publish(self._goal)
         elif not self._config.waits:
             rclpy.try_shutdown()
+
+    @property
+    def _is_unheard(self) -> bool:
+        """Whether the planner, that may not have been found yet, does not seem to have it."""
+        is_asked = self._config.waits and self._num_sent < _MOST_SENDS
+        return is_asked and self._progress.is_idle
 
     def _on_state(self, msg: DiagnosticStatus) -> None:
         if self._num_sent < _NUM_SENDS:
             return
         values = {v.key: v.value for v in msg.values}
         line = self._progress.update(values.get("state", ""), values.get("reason", ""))
-        if line:
+        if line and not self._is_unheard:
             left = values.get("distance left (m)", "")
             self.get_logger().info(f"{line}, {left} m left" if left else line)
         if self._progress.is_reached and self._config.waits:
