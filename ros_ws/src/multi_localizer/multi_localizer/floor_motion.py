@@ -7,12 +7,11 @@ import math
 import numpy as np
 
 from floornav_common.se2 import SE2
-from multi_localizer.floor_node_config import FloorTrackConfig
-from multi_localizer.landmark_config import LandmarkTrackConfig
+from multi_localizer.motion_config import MotionConfig
 
 
 def motion_between(
-    before: SE2 | None, after: SE2 | None, dt: float, config: FloorTrackConfig | LandmarkTrackConfig
+    before: SE2 | None, after: SE2 | None, dt: float, config: MotionConfig
 ) -> tuple[SE2, np.ndarray]:
     """Return the motion in a time by odometry, or none with the deviation of all that can be."""
     if before is None or after is None:

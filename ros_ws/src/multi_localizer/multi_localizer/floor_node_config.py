@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 from floornav_common.config import param, validate
 from multi_localizer.floor_config import FloorFitConfig
+from multi_localizer.motion_config import MotionConfig
 
 
 @dataclass(frozen=True, kw_only=True)
-class FloorTrackConfig:
+class FloorTrackConfig(MotionConfig):
     """Which of the poses that fit is the robot's, over time."""
 
     settle_share: float = param(
@@ -60,21 +61,6 @@ class FloorTrackConfig:
         0.3, "Poses that do not follow from the motion are believed after this: carried away.",
         unit="s", ge=0.0, le=10.0,
     )  # fmt: skip
-    gate_sd: float = param(
-        4.0, "A pose follows from the last and the motion within so many deviations.", gt=1.0
-    )
-    odom_share: float = param(0.1, "Deviation of odometry, of the way and of the turn.", ge=0.0)
-    slack_m: float = param(0.03, "Deviation from one mask to the next besides.", unit="m", gt=0.0)
-    slack_rad: float = param(0.03, "The same of yaw.", unit="rad", gt=0.0)
-    max_speed_m_s: float = param(
-        1.0, "Speed that is thought possible without odometry.", unit="m/s", gt=0.0
-    )
-    max_turn_rad_s: float = param(
-        2.0, "Turn that is thought possible without odometry.", unit="rad/s", gt=0.0
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from floornav_common.config import param, validate
+from multi_localizer.motion_config import MotionConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +51,7 @@ class LandmarkConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LandmarkTrackConfig:
+class LandmarkTrackConfig(MotionConfig):
     """Which poses follow from each other, view by view."""
 
     settle_views: int = param(
@@ -66,21 +67,6 @@ class LandmarkTrackConfig:
         5.0, "A pose that no view has shown for so long does not count any more.", unit="s",
         gt=0.0, le=60.0,
     )  # fmt: skip
-    gate_sd: float = param(
-        4.0, "A pose follows from the last and the motion within so many deviations.", gt=1.0
-    )
-    odom_share: float = param(0.1, "Deviation of odometry, of the way and of the turn.", ge=0.0)
-    slack_m: float = param(0.03, "Deviation from one view to the next besides.", unit="m", gt=0.0)
-    slack_rad: float = param(0.03, "The same of yaw.", unit="rad", gt=0.0)
-    max_speed_m_s: float = param(
-        1.0, "Speed that is thought possible without odometry.", unit="m/s", gt=0.0
-    )
-    max_turn_rad_s: float = param(
-        2.0, "Turn that is thought possible without odometry.", unit="rad/s", gt=0.0
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,24 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from floornav_common.config import param, validate
+from floornav_common.config import param
+from multi_localizer.stereo_pairs_config import StereoPairsConfig
 
 
 @dataclass(frozen=True, kw_only=True)
-class StereoLocalizerNodeConfig:
+class StereoLocalizerNodeConfig(StereoPairsConfig):
     """The node `stereo_localizer`."""
 
     map_file: str = param(
         "", "Voxel map, made by make_voxel_map (npz); it has no default.", read_only=True
     )
-    pairs: tuple[str, ...] = param(
-        ("front", "rear"), "Names of the pairs: topics are stereo/<pair>/...; one alone will do.",
-        read_only=True,
-    )  # fmt: skip
-    image_transport: str = param(
-        "raw", "Whether images come as Image or, on <topic>/compressed, as CompressedImage.",
-        choices=("raw", "compressed"), read_only=True,
-    )  # fmt: skip
     use_odom: bool = param(
         True, "Follow the motion by odom -> base; without it the robot is taken to stand.",
         read_only=True,
@@ -40,8 +33,6 @@ class StereoLocalizerNodeConfig:
     )
 
     def __post_init__(self) -> None:
-        validate(self)
-        if not self.pairs or len(set(self.pairs)) < len(self.pairs):
-            raise ValueError(f"pairs must be different names, at least one, got {self.pairs}")
+        super().__post_init__()
         if self.publish_tf and not self.use_odom:
             raise ValueError("publish_tf needs use_odom: without odometry there is no map->odom")
