@@ -18,10 +18,6 @@ No method is tuned on these seeds: other ones (`--seed`) are for that.
 from __future__ import annotations
 
 import argparse
-import os
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +33,7 @@ from experiments.crowd_runs import (
     scene_of,
 )
 from experiments.crowd_scenes import SCENES
+from experiments.parallel_tasks import run_tasks
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
 from sim_bridge.people.recorded import read_obsmat
 from sim_bridge.schema import WorldError
@@ -105,7 +102,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     ]
     outcomes: dict[Task, Outcome] = {}
     with Progress("crowd", len(tasks), is_quiet=args.quiet) as progress:
-        for task, outcome in _done(tasks, args.jobs):
+        for task, outcome in run_tasks(run_task, tasks, args.jobs):
             outcomes[task] = outcome
             caused = sum(o.caused for o in outcomes.values())
             note = f"{len(outcomes)} of {len(tasks)} runs, {caused} contacts caused by a robot"
@@ -125,24 +122,6 @@ def _places(args: argparse.Namespace) -> dict[str, str]:
             name += "_2"
         places[name] = str(path)
     return places
-
-
-def _done(tasks: list[Task], jobs: int) -> Iterator[tuple[Task, Outcome]]:
-    if jobs == 1:
-        yield from ((task, run_task(task)) for task in tasks)
-        return
-    with ProcessPoolExecutor(
-        jobs, mp_context=get_context("spawn"), initializer=_one_thread
-    ) as pool:
-        try:
-            yield from zip(tasks, pool.map(run_task, tasks), strict=True)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _one_thread() -> None:
-    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 
 def _scenes(outcomes: dict[Task, Outcome], scenes: list[str], methods: list[str]) -> dict[str, Any]:

@@ -9,11 +9,10 @@ a laser sees a patch that goes along with the robot; the other worlds have none 
 from __future__ import annotations
 
 import argparse
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import Any
 
+from experiments.parallel_tasks import run_tasks
 from experiments.tracking_drives import roam
 from experiments.tracking_judge import TrackingJudge
 from floornav_common.reporting import Progress, Section, Table, UserError
@@ -75,12 +74,10 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Make all drives and return the report."""
     seconds = QUICK_SECONDS if args.quick else args.seconds
     values |= {"seconds_of_each": seconds, "cases": {}}
-    with (
-        Progress("people-tracking", len(CASES), is_quiet=args.quiet) as progress,
-        ProcessPoolExecutor(args.jobs, mp_context=get_context("spawn")) as pool,
-    ):
-        tasks = [(case, seconds, args.seed) for case in CASES.values()]
-        for number, (name, found) in enumerate(zip(CASES, pool.map(follow, tasks), strict=True)):
+    tasks = [(case, seconds, args.seed) for case in CASES.values()]
+    with Progress("people-tracking", len(CASES), is_quiet=args.quiet) as progress:
+        followed = run_tasks(follow, tasks, args.jobs)
+        for number, (name, (_, found)) in enumerate(zip(CASES, followed, strict=True)):
             values["cases"][name] = found
             progress.update(number + 1, name, is_last=number + 1 == len(CASES))
     rows = [

@@ -11,12 +11,9 @@ the obstacle, its speeds and times fit 4.7 m: both are run. Settings were chosen
 from __future__ import annotations
 
 import argparse
-import os
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from typing import Any
 
+from experiments.parallel_tasks import run_tasks
 from experiments.sjmc_thesis_drives import (
     CROSSING,
     HALL,
@@ -78,7 +75,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     tasks = tasks_of(args)
     done: dict[Task, Outcome] = {}
     with Progress("sjmc-thesis", len(tasks), is_quiet=args.quiet) as progress:
-        for task, outcome in _driven(tasks, args.jobs):
+        for task, outcome in run_tasks(run_task, tasks, args.jobs):
             done[task] = outcome
             note = f"{len(done)} of {len(tasks)} drives, now {task.kind}"
             progress.update(len(done), note, is_last=len(done) == len(tasks))
@@ -140,24 +137,6 @@ def _hall_tasks(seed: int, k: int) -> list[Task]:
         for dynamic in (False, True)
         for m in HALL_METHODS
     ]
-
-
-def _driven(tasks: list[Task], jobs: int) -> Iterator[tuple[Task, Outcome]]:
-    if jobs == 1:
-        yield from ((task, run_task(task)) for task in tasks)
-        return
-    with ProcessPoolExecutor(
-        jobs, mp_context=get_context("spawn"), initializer=_one_thread
-    ) as pool:
-        try:
-            yield from zip(tasks, pool.map(run_task, tasks), strict=True)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _one_thread() -> None:
-    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 
 def fill(values: dict[str, Any], done: dict[Task, Outcome]) -> None:

@@ -14,11 +14,7 @@ The fields' seeds are other ones than those that the defaults were chosen on (se
 from __future__ import annotations
 
 import argparse
-import os
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
@@ -27,6 +23,7 @@ from experiments.avoidance_fields import Field, figure_9, random_field
 from experiments.avoidance_judge import Run, figures, turns
 from experiments.avoidance_pictures import draw_fields, draw_figure_4c, draw_figure_9
 from experiments.avoidance_runs import PERIOD_S, Perception, drive_field
+from experiments.parallel_tasks import run_tasks
 from floor_perception.config import FloorDetectorConfig, TemplateConfig
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.resources import load_camera_model
@@ -101,34 +98,13 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     ]
     runs: dict[Task, Run] = {}
     with Progress("velocity-avoidance", len(tasks), is_quiet=args.quiet) as progress:
-        for task, done in _driven(tasks, args.jobs):
+        for task, done in run_tasks(_drive, tasks, args.jobs):
             runs[task] = done
             num_touched = sum(r.has_collided for r in runs.values())
             note = f"{len(runs)} of {len(tasks)} drives, {num_touched} touched something"
             progress.update(len(runs), note, is_last=len(runs) == len(tasks))
             _fill(values, runs)
     return _sections(args, values, runs)
-
-
-def _driven(tasks: list[Task], jobs: int) -> Iterator[tuple[Task, Run]]:
-    if jobs == 1:
-        yield from ((task, _drive(task)) for task in tasks)
-        return
-    with ProcessPoolExecutor(
-        jobs, mp_context=get_context("spawn"), initializer=_one_thread
-    ) as pool:
-        try:
-            yield from zip(tasks, pool.map(_drive, tasks), strict=True)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _one_thread() -> None:
-    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    import cv2
-
-    cv2.setNumThreads(1)
 
 
 def _drive(task: Task) -> Run:

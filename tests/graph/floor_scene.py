@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PoseArray
+from heard_poses import odometry_of
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image
 
 from floornav_common.camera_files import load_camera_model
-from floornav_common.ros.messages import array_to_image, ns_to_stamp, poses_to_msg, se2_to_pose
+from floornav_common.ros.messages import array_to_image, ns_to_stamp, poses_to_msg
 from floornav_common.ros.qos import RELIABLE_QOS
 from floornav_common.ros.transforms import StaticTransformBroadcaster
 from floornav_common.se2 import SE2
@@ -63,10 +64,7 @@ class FloorRobot:
         """Send what a moment shows: odometry, goals if any are given, then the mask."""
         self.stamp_ns += FRAME_NS
         stamp = ns_to_stamp(self.stamp_ns)
-        odom = Odometry(child_frame_id="base_link")
-        odom.header.stamp, odom.header.frame_id = stamp, "odom"
-        odom.pose.pose = se2_to_pose(odometry)
-        self.odometry.publish(odom)
+        self.odometry.publish(odometry_of(odometry, self.stamp_ns))
         if bearings is not None:
             poses = PoseArray(poses=[_direction(b) for b in bearings])
             poses.header.stamp, poses.header.frame_id = stamp, FLOOR_FRAME

@@ -7,13 +7,14 @@ from collections.abc import Collection
 from typing import Any
 
 import numpy as np
+from heard_poses import odometry_of
 from nav_msgs.msg import Odometry
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from stereo_msgs.msg import DisparityImage
 
-from floornav_common.ros.messages import array_to_image, ns_to_stamp, se2_to_pose
+from floornav_common.ros.messages import array_to_image, ns_to_stamp
 from floornav_common.ros.qos import RELIABLE_QOS
 from floornav_common.ros.transforms import StaticTransformBroadcaster
 from floornav_common.se2 import SE2
@@ -79,10 +80,7 @@ class StereoRobot:
     ) -> None:  # fmt: skip
         """Send what pairs show at a pose, with odometry before it."""
         self.stamp_ns += FRAME_NS
-        odom = Odometry(child_frame_id="base_link")
-        odom.header.stamp, odom.header.frame_id = ns_to_stamp(self.stamp_ns), "odom"
-        odom.pose.pose = se2_to_pose(odometry)
-        self.odometry.publish(odom)
+        self.odometry.publish(odometry_of(odometry, self.stamp_ns))
         for pair in pairs:
             self._show(pair, pose, has_info)
 

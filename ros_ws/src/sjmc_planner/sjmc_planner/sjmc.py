@@ -45,12 +45,13 @@ from sjmc_planner.sjmc_people import (
     InTheWay,
     Patience,
     bystander_in_reach,
+    is_not_yielding,
     people_in_the_way,
 )
 from sjmc_planner.sjmc_region import box_of
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_room import make_room
-from sjmc_planner.sjmc_scene import Scene, SceneReader
+from sjmc_planner.sjmc_scene import SceneReader
 from sjmc_planner.tracking_config import TrackingConfig
 from sjmc_planner.unicycle_motion import Unicycle
 
@@ -58,8 +59,6 @@ _SHARES = (1.0, 0.75, 0.5, 0.3, 0.15)  # of a course's speed, tried in turn
 _LOOKS = (1.0, 0.5, 0.25)  # of look_m
 _MOST = 24  # courses looked along with each
 _SLOW, _HELD = 0.03, 0.1  # m/s
-_KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
-_NO_GAP = 1e-6
 _STUCK_S, _BACK = 1.0, -0.15  # after this long without a course it backs, m/s
 _CREEP = 0.2
 
@@ -104,7 +103,7 @@ class Sjmc:
         is_judged = self._patience.begin(scene, goal.bearing)
         moment = self._moments.of(state, goal, scene, is_judged)
         ahead = self._in_the_way(goal.bearing, moment)
-        if self._is_not_yielding(ahead, scene):
+        if is_not_yielding(ahead, scene, self._config):
             self._patience.judge(int(scene.number[ahead.who]))
             is_judged[ahead.who] = True
             moment = self._moments.of(state, goal, scene, is_judged)
@@ -115,12 +114,6 @@ class Sjmc:
             decision = self._stuck(moment)
         debug = self._moments.debug(moment, decision.command) if has_debug else None
         return decision if debug is None else replace(decision, debug=debug)
-
-    def _is_not_yielding(self, ahead: InTheWay, scene: Scene) -> bool:
-        if ahead.who < 0 or scene.is_moving[ahead.who]:
-            return False
-        config = self._config
-        return ahead.distance <= config.danger_m or ahead.bound <= config.end_m_s
 
     def _on_course(self, moment: Moment) -> Decision | None:
         """Return the straight run, waiting included; None if something stands in its way."""
@@ -138,7 +131,7 @@ class Sjmc:
                 return None
             reason = "slower for a person" if is_slowed else ""
             return Decision(self._command(course, speed), DRIVING, reason)
-        if not self._is_clear(seen, moment):
+        if not self._moments.is_clear(seen, moment):
             room = make_room(moment.state, moment.scene, self._foresight, seen, self._behind,
                              self._robot, self._config)  # fmt: skip
             if room is not None:
@@ -155,7 +148,7 @@ class Sjmc:
 
     def _around(self, moment: Moment) -> Decision | None:
         """Return the turning run; None if no course is open."""
-        if not self._is_clear(moment.braked, moment):
+        if not self._moments.is_clear(moment.braked, moment):
             return None
         order = preferred(moment.bearings, moment.goal.bearing, moment.free, self._side)
         for look in _LOOKS:
@@ -194,7 +187,7 @@ class Sjmc:
             return False
         now, scene = moment.state.velocity, moment.scene
         seen = self._foresight.look(now, 0.0, _BACK, self._cycle.period, scene.solids, scene.people)
-        return self._is_clear(seen, moment)
+        return self._moments.is_clear(seen, moment)
 
     def _turned(self, course: float, moment: Moment) -> Decision:
         """Return how to face a course that was seen, from one that was not: stand, then turn."""
@@ -224,20 +217,13 @@ class Sjmc:
         """Return the most speed from which braking keeps clear, and what is foreseen at it."""
         most, now = min(bound, moment.fastest), moment.state.velocity
         around = moment.near, moment.people
-        if most <= _SLOW or not self._is_clear(moment.braked, moment):
+        if most <= _SLOW or not self._moments.is_clear(moment.braked, moment):
             return 0.0, moment.braked
         for share in _SHARES:
             seen = self._foresight.look(now, course, share * most, self._cycle.period, *around)
-            if self._is_clear(seen, moment):
+            if self._moments.is_clear(seen, moment):
                 return share * most, seen
         return 0.0, moment.braked
-
-    def _is_clear(self, seen: Foreseen, moment: Moment) -> bool:
-        """Tell whether a look ahead keeps its distances, or at least what there is of them."""
-        now = moment.now
-        thing = min(self._robot.margin_m, now.thing_gap - _NO_GAP)
-        person = min(self._config.clearance_m, now.people_gap - _KEEP_GAP)
-        return seen.thing_gap >= thing and seen.people_gap >= person
 
     def _has_waited(self, ahead: InTheWay, moment: Moment) -> tuple[float, bool]:
         """Wait for the person ahead, or the nearest; return for how long, and if that is it."""

@@ -19,6 +19,8 @@ from sjmc_planner.sjmc_scene import Scene
 _WIDEST = math.radians(120.0)
 _SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
 _NO_SPEED = 0.03
+_KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
+_NO_GAP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,13 @@ class MomentReader:
         stop = robot.speed_m_s * (self._delay + robot.speed_m_s / (2.0 * robot.accel_m_s2))
         target = float(np.hypot(*goal.point)) + robot.margin_m + self._box.front
         return max(target, min(goal.distance, stop) + self._box.front)
+
+    def is_clear(self, seen: Foreseen, moment: Moment) -> bool:
+        """Tell whether a look ahead keeps its distances, or at least what there is of them."""
+        now = moment.now
+        thing = min(self._robot.margin_m, now.thing_gap - _NO_GAP)
+        person = min(self._config.clearance_m, now.people_gap - _KEEP_GAP)
+        return seen.thing_gap >= thing and seen.people_gap >= person
 
     def debug(self, moment: Moment, command: Velocity) -> Debug:
         """Return what was weighed, and the course that a command takes, for pictures."""

@@ -60,6 +60,13 @@ def people_in_the_way(
     return InTheWay(*_in_the_way(*args, front, half, zones))
 
 
+def is_not_yielding(ahead: InTheWay, scene: Scene, config: SjmcConfig) -> bool:
+    """Tell whether who is ahead stands in the way where eq. 3.5 leaves no speed to speak of."""
+    if ahead.who < 0 or scene.is_moving[ahead.who]:
+        return False
+    return ahead.distance <= config.danger_m or ahead.bound <= config.end_m_s
+
+
 @numba.njit(cache=True, nogil=True)
 def _in_the_way(course, people, is_moving, is_judged, front, half, zones):  # type: ignore[no-untyped-def]
     danger, caution, aware, side_speed = zones

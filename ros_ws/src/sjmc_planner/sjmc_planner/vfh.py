@@ -17,9 +17,6 @@ import math
 import numba
 import numpy as np
 
-from sjmc_planner.config import RobotConfig
-from sjmc_planner.histogram_config import HistogramConfig
-from sjmc_planner.omni_velocity import Cycle
 from sjmc_planner.openings import openings
 from sjmc_planner.windowed import Choice, View, WindowedMethod
 
@@ -87,24 +84,14 @@ def valley_direction(is_open: np.ndarray, goal: float, wide: int) -> float | Non
 
 
 class Vfh(WindowedMethod):
-    """The method.
-
-    Args:
-        robot: What the robot is.
-        config: Settings of the method.
-        cycle: Rhythm of the runner.
-    """
-
-    def __init__(self, robot: RobotConfig, config: HistogramConfig, cycle: Cycle) -> None:
-        super().__init__(robot, config, cycle)
-        self._bearings = np.arange(config.num_sectors) * (_TURN / config.num_sectors)
+    """The method."""
 
     def _choose(self, view: View) -> Choice:
         """Return the direction of the valley nearest the goal, and the speed for it."""
         config = self._config
         histogram = density(view.cells.points, view.cells.certainty, view.reach, config.num_sectors)
         histogram = smoothed(histogram, config.vfh_smoothing)
-        is_unseen = view.ends.unseen(self._bearings, self._robot.radius_m, view.reach)
+        is_unseen = view.ends.unseen(self._sectors, self._robot.radius_m, view.reach)
         is_open = (histogram < config.vfh_threshold) & ~is_unseen
         bearing = valley_direction(is_open, view.goal.bearing, config.vfh_wide_sectors)
         if bearing is None:

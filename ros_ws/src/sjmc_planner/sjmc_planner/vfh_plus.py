@@ -42,7 +42,6 @@ class VfhPlus(WindowedMethod):
 
     def __init__(self, robot: RobotConfig, config: HistogramConfig, cycle: Cycle) -> None:
         super().__init__(robot, config, cycle)
-        self._bearings = np.arange(config.num_sectors) * (_TURN / config.num_sectors)
         self._binary = np.zeros(config.num_sectors, dtype=bool)
         self._turned = 0.0  # by how many sectors, since the binary histogram was turned last
         self._chosen: float | None = None  # in the base frame, rad
@@ -78,7 +77,7 @@ class VfhPlus(WindowedMethod):
         self._binary = binary_histogram(
             primary, self._binary, config.threshold_low, config.threshold_high
         )
-        return self._binary | view.ends.unseen(self._bearings, self._robot.radius_m, view.reach)
+        return self._binary | view.ends.unseen(self._sectors, self._robot.radius_m, view.reach)
 
     def _candidates(self, is_blocked: np.ndarray, view: View) -> tuple[np.ndarray, float]:
         """Return the candidates of the masked histogram, and the share of speed they are for."""

@@ -48,11 +48,11 @@ def wave(weights, goal_row, goal_col, start_row, start_col):  # type: ignore[no-
         for i in range(-1, 2):
             for j in range(-1, 2):
                 r, c = row + i, col + j
-                if (i == 0 and j == 0) or not _may_step(weights, row, col, r, c):
+                step = _step_cost(weights, row, col, r, c)
+                if step == np.inf:
                     continue
-                step = _DIAGONAL if i != 0 and j != 0 else 1.0
                 other = r * width + c
-                new = cost[cell] + step * 0.5 * (weights[row, col] + weights[r, c])
+                new = cost[cell] + step
                 if new < cost[other]:
                     cost[other] = new
                     if place[other] < 0:
@@ -64,12 +64,18 @@ def wave(weights, goal_row, goal_col, start_row, start_col):  # type: ignore[no-
 
 
 @numba.njit(cache=True, nogil=True)
-def _may_step(weights, row, col, r, c):  # type: ignore[no-untyped-def]
-    """Tell whether a step stays on the grid, ends on an open cell and cuts no closed corner."""
+def _step_cost(weights, row, col, r, c):  # type: ignore[no-untyped-def]
+    """Return the cost of a step to a neighbor: its length by the mean of the two cells' weights.
+
+    A step off the grid, onto a closed cell or past a closed corner, or to the cell itself, is inf.
+    """
     if r < 0 or c < 0 or r >= weights.shape[0] or c >= weights.shape[1]:
-        return False
-    is_open = weights[r, c] < np.inf
-    return is_open and weights[row, c] < np.inf and weights[r, col] < np.inf
+        return np.inf
+    is_open = weights[r, c] < np.inf and weights[row, c] < np.inf and weights[r, col] < np.inf
+    if not is_open or (r == row and c == col):
+        return np.inf
+    step = _DIAGONAL if r != row and c != col else 1.0
+    return step * 0.5 * (weights[row, col] + weights[r, c])
 
 
 @numba.njit(cache=True, nogil=True)
@@ -90,10 +96,10 @@ def way_down(cost, weights, row, col):  # type: ignore[no-untyped-def]
         for i in range(-1, 2):
             for j in range(-1, 2):
                 r, c = row + i, col + j
-                if (i == 0 and j == 0) or not _may_step(weights, row, col, r, c):
+                step = _step_cost(weights, row, col, r, c)
+                if step == np.inf:
                     continue
-                step = _DIAGONAL if i != 0 and j != 0 else 1.0
-                total = cost[r, c] + step * 0.5 * (weights[row, col] + weights[r, c])
+                total = cost[r, c] + step
                 if cost[r, c] < cost[row, col] and total < best:
                     best, best_row, best_col = total, r, c
         row, col = best_row, best_col

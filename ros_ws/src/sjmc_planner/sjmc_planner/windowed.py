@@ -7,6 +7,7 @@ was chosen, no faster than the robot can stop, and nowhere that no beam looked a
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
@@ -86,6 +87,8 @@ class WindowedMethod(ABC):
             config.window_m, config.cell_m, config.hit_gain, config.miss_loss
         )
         self._steering = Steering(robot, cycle.period)
+        num = config.num_sectors
+        self._sectors = np.arange(num) * (2.0 * math.pi / num)  # their bearings, rad
 
     @abstractmethod
     def _choose(self, view: View) -> Choice:
