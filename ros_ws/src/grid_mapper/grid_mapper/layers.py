@@ -22,14 +22,10 @@ from grid_mapper.fusion import Fusion, MapSource, make_fusion
 from grid_mapper.layers_moment import Layers, LayersMoment
 from grid_mapper.localizer import ScanResult
 from grid_mapper.mapper import GridMapper
-from grid_mapper.pose_history import PoseHistory
+from grid_mapper.placed_readings import PlacedReadings
 from grid_mapper.sonar_grid import SonarGrid
 from grid_mapper.sonar_keys import SonarKeys
 from grid_mapper.sonar_reading import Nothing, classify
-from grid_mapper.waiting_readings import WaitingReadings
-
-MAX_AHEAD_NS = 5_000_000_000
-"""A reading stamped further after the newest trusted scan is of a clock that runs ahead."""
 
 
 @dataclass
@@ -115,10 +111,7 @@ class LayeredMapper:
             T_base_sonar: Pose of the sonar on the robot, which looks along its x axis.
             sensor: Tells sonars apart.
         """
-        newest_ns = self._history.newest_ns
-        is_ahead = newest_ns is not None and stamp_ns - newest_ns > MAX_AHEAD_NS
-        if is_ahead or not self._waiting.push(stamp_ns, reading, T_base_sonar, sensor):
-            self.sonar_counts.unplaced += 1
+        self._readings.push(stamp_ns, reading, T_base_sonar, sensor)
         self._place_waiting()
 
     def place_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
@@ -149,13 +142,13 @@ class LayeredMapper:
     def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
         """Go on from another pose; see `ScanLocalizer.relocate`."""
         self.laser.relocate(T_map_base, cov)
-        self._history.break_here()
+        self._readings.break_here()
 
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. Maps and pose stay."""
         self.laser.break_motion()
-        self.sonar_counts.unplaced += self._waiting.clear()
-        self._history.clear()
+        self._readings.clear()
+        self.sonar_counts.unplaced = self._readings.num_unplaced
 
     def moment(self) -> LayersMoment:
         """Return what makes all maps as they stand; quick, however large the floor is."""
@@ -197,7 +190,7 @@ class LayeredMapper:
 
     def _took_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
         self._fusion.add_scan(self.laser.clipped(scan), T_map_base @ T_base_laser, stamp_ns)
-        self._history.add(stamp_ns, T_map_base)
+        self._readings.add_pose(stamp_ns, T_map_base)
         self._place_waiting()
 
     def _empty_layers(self) -> None:
@@ -205,8 +198,7 @@ class LayeredMapper:
         self._sonar = SonarGrid(self.config.sonar, self.config.resolution_m)
         self._fusion: Fusion = make_fusion(self.config, self.laser_map, self.sonar_map)
         self._keys: dict[str, SonarKeys] = {}
-        self._history = PoseHistory()
-        self._waiting = WaitingReadings()
+        self._readings = PlacedReadings()
         self._num_heard = 0
         self._forget_maps()
 
@@ -234,13 +226,6 @@ class LayeredMapper:
 
     def _place_waiting(self) -> None:
         """Place the readings that the newest trusted scan has caught up with."""
-        newest_ns = self._history.newest_ns
-        if newest_ns is None:
-            return
-        max_gap_ns = round(self.config.sonar.max_pose_gap_s * 1e9)
-        for w in self._waiting.pop_until(newest_ns):
-            pose = self._history.at(w.stamp_ns, max_gap_ns)
-            if pose is None:
-                self.sonar_counts.unplaced += 1
-            else:
-                self.place_range(w.stamp_ns, w.reading, w.T_base_sonar, w.sensor, pose)
+        for w, pose in self._readings.take(self.config.sonar.max_pose_gap_s):
+            self.place_range(w.stamp_ns, w.reading, w.T_base_sonar, w.sensor, pose)
+        self.sonar_counts.unplaced = self._readings.num_unplaced

@@ -14,14 +14,12 @@ from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig, KeyScanConfig
+from grid_mapper.corrections import Corrections
 from grid_mapper.key_frames import KeyFrame, thinned
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.localizer import ScanLocalizer, ScanResult
 from grid_mapper.loop_closer import LoopCloser
 from grid_mapper.recent_scans import RecentScanMatcher
-from grid_mapper.scan_matcher import offset
-
-NO_NODE = -1
 
 
 @dataclass(frozen=True)
@@ -103,9 +101,15 @@ class LoopClosingLocalizer:
 
     def known_poses(self) -> list[KnownPose]:
         """Return the pose of every scan so far, as the graph has it now."""
+        frames, scans = self.closer.frames, self._followed
+        corrections = Corrections.of([f.T_local_base for f in frames], self.closer.poses)
+        poses = corrections.all_at(
+            np.array([scan.node for scan in scans], int),
+            np.array([scan.T_local_base.as_array() for scan in scans]).reshape(-1, 3),
+        )
         return [
-            KnownPose(self._corrected(scan), scan.is_trusted, scan.reason)
-            for scan in self._followed
+            KnownPose(SE2(*pose), scan.is_trusted, scan.reason)
+            for pose, scan in zip(poses.tolist(), scans, strict=True)
         ]
 
     def _frame(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, result: ScanResult) -> KeyFrame:
@@ -118,27 +122,3 @@ class LoopClosingLocalizer:
             scan,
             T_base_laser,
         )
-
-    def _corrected(self, scan: _Followed) -> SE2:
-        """Return a pose in the map: the corrections of the nodes round it, by nearness."""
-        frames, poses = self.closer.frames, self.closer.poses
-        if scan.node == NO_NODE:
-            return scan.T_local_base
-        before = _moved_on(frames[scan.node], poses[scan.node], scan.T_local_base)
-        if scan.node + 1 == len(frames):
-            return before
-        after = _moved_on(frames[scan.node + 1], poses[scan.node + 1], scan.T_local_base)
-        share = _share(frames[scan.node], frames[scan.node + 1], scan.T_local_base)
-        return before.interpolate(after, share)
-
-
-def _moved_on(frame: KeyFrame, pose: SE2, T_local_base: SE2) -> SE2:
-    """Return where the front end's motion leads from a node."""
-    return pose @ frame.T_local_base.between(T_local_base)
-
-
-def _share(before: KeyFrame, after: KeyFrame, pose: SE2) -> float:
-    """Return how far from one node to the next a pose is, 0..1; m and rad count alike."""
-    gone = float(np.linalg.norm(offset(before.T_local_base, pose)))
-    left = float(np.linalg.norm(offset(pose, after.T_local_base)))
-    return gone / (gone + left) if gone + left > 0.0 else 0.0
