@@ -7,8 +7,8 @@ from worlds import box, scan_at
 
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.key_frames import Edge, KeyFrame, thinned
-from grid_mapper.localizer import ScanLocalizer
+from grid_mapper.front_end import key_frame
+from grid_mapper.key_frames import Edge, KeyFrame
 from grid_mapper.loop_closer import LoopCloser
 
 NS = 1_000_000_000
@@ -57,12 +57,11 @@ def frames_at(
     truth: list[SE2], local: list[SE2], walls: np.ndarray, rng: np.random.Generator | None = None
 ) -> list[KeyFrame]:
     """Return key frames seen at true poses by a front end that believes others."""
-    front, frames = ScanLocalizer(GridMapperConfig()), []
+    config, frames = GridMapperConfig(), []
     information = np.diag([1e4, 1e4, 1e5])
     for k, (pose, believed) in enumerate(zip(truth, local, strict=True)):
         scan = scan_at(pose, walls, rng=rng)
-        points = thinned(front.surface_points(scan, SE2.identity()))
-        frames.append(KeyFrame(k * NS, believed, information, points, scan, SE2.identity()))
+        frames.append(key_frame(k * NS, scan, SE2.identity(), believed, information, config))
     return frames
 
 

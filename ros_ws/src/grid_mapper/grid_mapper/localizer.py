@@ -12,7 +12,7 @@ import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
-from grid_mapper.config import GridMapperConfig
+from grid_mapper.config import GridMapperConfig, ScanMatcherConfig
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
 from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
@@ -102,7 +102,7 @@ class ScanLocalizer:
             T_base_laser: Pose of the laser on the robot.
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
-        points = self.surface_points(scan, T_base_laser)
+        points = points_of(scan, T_base_laser, self.config.matcher)
         if self._is_reset(stamp_ns, T_odom_base):
             self.break_motion()
         moved, cov_moved, dt = self._motion(stamp_ns, T_odom_base)
@@ -155,16 +155,6 @@ class ScanLocalizer:
     def num_bytes(self) -> int:
         """Bytes held by the map to match to."""
         return self._matcher.num_bytes
-
-    def surface_points(self, scan: Scan, T_base_laser: SE2) -> SurfacePoints:
-        """Return the points of a scan in the base frame, as they are matched."""
-        matcher = self.config.matcher
-        points_laser = scan.points()
-        points = surface_points(
-            points_laser, np.zeros(2), scan.angle_increment, matcher.range_sigma_m,
-            0.5 * matcher.cell_m,
-        )  # fmt: skip
-        return points.moved(T_base_laser)
 
     def _is_reset(self, stamp_ns: int, T_odom_base: SE2 | None) -> bool:
         """Tell whether odometry jumped by more than a robot can move."""
@@ -285,3 +275,12 @@ class ScanLocalizer:
             moved = last.T_map_base.between(result.T_map_base)
             velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
         self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, near, velocity)
+
+
+def points_of(scan: Scan, T_base_laser: SE2, matcher: ScanMatcherConfig) -> SurfacePoints:
+    """Return the points of a scan in the base frame, as they are matched."""
+    points = surface_points(
+        scan.points(), np.zeros(2), scan.angle_increment, matcher.range_sigma_m,
+        0.5 * matcher.cell_m,
+    )  # fmt: skip
+    return points.moved(T_base_laser)

@@ -13,13 +13,11 @@ import numpy as np
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
-from grid_mapper.config import GridMapperConfig, KeyScanConfig
+from grid_mapper.config import GridMapperConfig
 from grid_mapper.corrections import Corrections
-from grid_mapper.key_frames import KeyFrame, thinned
-from grid_mapper.key_scans import KeyScans
-from grid_mapper.localizer import ScanLocalizer, ScanResult
+from grid_mapper.front_end import FrontEnd, key_frame
+from grid_mapper.localizer import ScanResult
 from grid_mapper.loop_closer import LoopCloser
-from grid_mapper.recent_scans import RecentScanMatcher
 
 
 @dataclass(frozen=True)
@@ -55,13 +53,8 @@ class LoopClosingLocalizer:
     """
 
     def __init__(self, config: GridMapperConfig) -> None:
-        self.config, loop = config, config.loop
-        self._matcher = RecentScanMatcher(config.matcher, loop.recent_scans)
-        self._front = ScanLocalizer(config, matcher=self._matcher)
-        self._key = KeyScanConfig(
-            distance_m=loop.node_distance_m, turn_rad=loop.node_turn_rad, period_s=0.0
-        )
-        self._keys = KeyScans()
+        self.config = config
+        self._front = FrontEnd(config)
         self._followed: list[_Followed] = []
         self.closer = LoopCloser(config)
 
@@ -70,10 +63,11 @@ class LoopClosingLocalizer:
     ) -> ScanResult:
         """Localize one scan; see `ScanLocalizer.localize`. The pose is in the front end's frame."""
         scan = self.config.clipped(scan)
-        result = self._front.localize(stamp_ns, scan, T_base_laser, T_odom_base)
+        result, is_node = self._front.follow(stamp_ns, scan, T_base_laser, T_odom_base)
         pose = result.T_map_base
-        if result.is_trusted and self._keys.take(stamp_ns, pose, self._key):
-            self.closer.add(self._frame(stamp_ns, scan, T_base_laser, result))
+        if is_node:
+            seen = (stamp_ns, scan, T_base_laser, pose, result.information)
+            self.closer.add(key_frame(*seen, self.config))
         node = len(self.closer.frames) - 1
         self._followed.append(_Followed(pose, node, result.is_trusted, result.reason))
         return result
@@ -95,8 +89,7 @@ class LoopClosingLocalizer:
             return
         T_local_map = frames[-1].T_local_base @ poses[-1].inverse()
         num = min(len(frames), self.config.loop.submap_nodes + 1)
-        for frame, pose in zip(frames[:num], poses[:num], strict=True):
-            self._matcher.insert(frame.points, T_local_map @ pose)
+        self._front.see((frames[k].points, T_local_map @ poses[k]) for k in range(num))
         self._front.break_motion(T_local_map @ poses[0])
 
     def known_poses(self) -> list[KnownPose]:
@@ -111,14 +104,3 @@ class LoopClosingLocalizer:
             KnownPose(SE2(*pose), scan.is_trusted, scan.reason)
             for pose, scan in zip(poses.tolist(), scans, strict=True)
         ]
-
-    def _frame(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, result: ScanResult) -> KeyFrame:
-        information = result.information
-        return KeyFrame(
-            stamp_ns,
-            result.T_map_base,
-            np.zeros((3, 3)) if information is None else information,
-            thinned(self._front.surface_points(scan, T_base_laser)),
-            scan,
-            T_base_laser,
-        )
