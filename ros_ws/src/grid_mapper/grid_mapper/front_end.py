@@ -1,0 +1,71 @@
+"""The front end of loop closing: a pose that drifts and never jumps, and which scans are nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig, KeyScanConfig
+from grid_mapper.key_frames import KeyFrame, thinned
+from grid_mapper.key_scans import KeyScans
+from grid_mapper.localizer import ScanLocalizer, ScanResult, points_of
+from grid_mapper.recent_scans import RecentScanMatcher
+from grid_mapper.surface_points import SurfacePoints
+
+
+class FrontEnd:
+    """Fits scans to what was seen lately."""
+
+    def __init__(self, config: GridMapperConfig) -> None:
+        self._matcher = RecentScanMatcher(config.matcher, config.loop.recent_scans)
+        self._localizer = ScanLocalizer(config, matcher=self._matcher)
+        self._keys = KeyScans()
+        self.reconfigure(config)
+
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Go on with other values; those marked read-only stay as they were."""
+        loop = config.loop
+        self._localizer.reconfigure(config)
+        self._key = KeyScanConfig(
+            distance_m=loop.node_distance_m, turn_rad=loop.node_turn_rad, period_s=0.0
+        )
+
+    def follow(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> tuple[ScanResult, bool]:
+        """Localize one scan, see `ScanLocalizer.localize`; tell too whether it is a node."""
+        result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
+        is_node = result.is_trusted and self._keys.take(stamp_ns, result.T_map_base, self._key)
+        return result, is_node
+
+    def see(self, places: Iterable[tuple[SurfacePoints, SE2]]) -> None:
+        """Take what is known of the surroundings: points and their poses in this frame."""
+        for points, pose in places:
+            self._matcher.insert(points, pose)
+
+    def relocate(self, T_local_base: SE2, cov: np.ndarray | None) -> None:
+        """Go on from another pose; see `ScanLocalizer.relocate`."""
+        self._localizer.relocate(T_local_base, cov)
+
+    def break_motion(self, T_local_first: SE2) -> None:
+        """Go on after time or odometry jumped; see `ScanLocalizer.break_motion`."""
+        self._localizer.break_motion(T_local_first)
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held by what scans are fitted to."""
+        return self._localizer.num_bytes
+
+
+def key_frame(
+    stamp_ns: int, scan: Scan, T_base_laser: SE2, T_local_base: SE2,
+    information: np.ndarray | None, config: GridMapperConfig,
+) -> KeyFrame:  # fmt: skip
+    """Return what a node keeps of its scan; the arguments are of the scan and its match."""
+    return KeyFrame(
+        stamp_ns, T_local_base, np.zeros((3, 3)) if information is None else information,
+        thinned(points_of(scan, T_base_laser, config.matcher)), scan, T_base_laser,
+    )  # fmt: skip
