@@ -41,6 +41,11 @@ class Corrections:
         """Return a pose in the map; see `all_at`."""
         return _pose(self.all_at(np.array([node]), T_local_base.as_array()[None])[0])
 
+    @staticmethod
+    def as_poses(rows: np.ndarray) -> list[SE2]:
+        """Return rows (x, y, yaw), shape (M, 3), as poses."""
+        return [SE2(*row) for row in rows.tolist()]
+
     def all_at(self, nodes: np.ndarray, local: np.ndarray) -> np.ndarray:
         """Return poses in the map: corrected as the nodes before and after them, by nearness.
 

@@ -20,11 +20,12 @@ from floornav_common.ros.main import run_node
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.parameters import declare_config
 from floornav_common.time_watch import Throttle
+from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from grid_mapper.glass_files import SUFFIXES, save_layers
-from grid_mapper.layers import LayeredMapper
 from grid_mapper.map_files import free_prefix
 from grid_mapper.nodes.given_poses import GivenPoses
+from grid_mapper.nodes.loop_status import make_mapper
 from grid_mapper.nodes.map_outputs import MapOutputs
 from grid_mapper.nodes.matched_poses import MatchedPoses
 from grid_mapper.nodes.sonar_inputs import SonarInputs
@@ -34,7 +35,7 @@ WARN_PERIOD_NS = 5_000_000_000
 
 
 class GridMapperNode(FloornavNode):
-    """Feeds scans and sonar readings to a LayeredMapper and publishes what it knows."""
+    """Feeds scans and sonar readings to a mapper and publishes what it knows."""
 
     def __init__(self) -> None:
         """Declare, subscribe, compile, and say ready."""
@@ -42,8 +43,9 @@ class GridMapperNode(FloornavNode):
         config = declare_config(self, GridMapperNodeConfig, on_change=self._set_config)
         self._config = config
         self._warnings = Throttle(WARN_PERIOD_NS)
-        self._mapper = LayeredMapper(declare_config(self, GridMapperConfig, on_change=self._tune))
         has_own_poses = config.pose_source == "icp"
+        mapper_config = declare_config(self, GridMapperConfig, on_change=self._tune)
+        self._mapper = make_mapper(self, mapper_config, has_own_poses)
         self._maps = MapOutputs(self, has_own_poses, config.reference_map, self._warn)
         poses = MatchedPoses if has_own_poses else GivenPoses
         self._poses = poses(self, self._mapper, config, self._warn)
@@ -61,6 +63,8 @@ class GridMapperNode(FloornavNode):
     def destroy_node(self) -> None:
         """Let no map be made while publishers go."""
         self._maps.close()
+        if isinstance(self._mapper, ClosingMapper):
+            self._mapper.close()
         super().destroy_node()
 
     def _set_config(self, config: GridMapperNodeConfig) -> None:

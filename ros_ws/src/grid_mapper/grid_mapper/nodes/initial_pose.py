@@ -10,6 +10,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from floornav_common.ros import messages
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import RELIABLE_QOS, create_subscription
+from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.layers import LayeredMapper
 
 
@@ -17,7 +18,10 @@ class InitialPose:
     """Moves the robot in the map that is there; what is no pose in the map frame is refused."""
 
     def __init__(
-        self, node: FloornavNode, mapper: LayeredMapper, warn: Callable[[str], None]
+        self,
+        node: FloornavNode,
+        mapper: LayeredMapper | ClosingMapper,
+        warn: Callable[[str], None],
     ) -> None:
         """Subscribe."""
         self._frame, self._mapper, self._warn = node.frames.map, mapper, warn

@@ -15,6 +15,7 @@ from floornav_common.ros.odometry import OdometryFallback
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from floornav_common.transform3 import Transform3
+from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.localizer import ScanResult
@@ -36,14 +37,15 @@ class MatchedPoses:
     def __init__(
         self,
         node: FloornavNode,
-        mapper: LayeredMapper,
+        mapper: LayeredMapper | ClosingMapper,
         config: GridMapperNodeConfig,
         warn: Callable[[str], None],
     ) -> None:
         """Subscribe to scans, odometry and initial poses."""
         self._node, self._mapper, self._config, self._warn = node, mapper, config, warn
         self.sonar_frame = node.frames.base
-        self._outputs = PoseOutputs(node)
+        closing = mapper if isinstance(mapper, ClosingMapper) else None
+        self._outputs = PoseOutputs(node, closing)
         self.publish_path = self._outputs.publish_path
         self.forget()
         self._odometry = OdometryFallback(node) if config.use_odom else None

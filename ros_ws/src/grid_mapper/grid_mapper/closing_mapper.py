@@ -1,0 +1,251 @@
+"""A live mapper that closes loops: poses and maps at once, corrected from the background.
+
+Every scan is followed by the front end and mapped at its pose as the graph had it last. What maps
+are made from goes to the background too (`LoopSession`). Maps made anew there hold all but the
+newest events; these are mapped a few with each scan, and once none is left the new maps take the
+place of the old, and the new correction that of the old.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import astuple, replace
+
+import numpy as np
+
+from floornav_common.readings import RangeReading
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.background import Worker
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.corrections import NO_NODE, Corrections
+from grid_mapper.front_end import FrontEnd
+from grid_mapper.kept_events import Kept, KeptReading, KeptScan, ReadingsToKeep
+from grid_mapper.key_scans import KeyScans
+from grid_mapper.layers import LayeredMapper, SonarCounts
+from grid_mapper.layers_moment import Layers, LayersMoment
+from grid_mapper.localizer import ScanResult, points_of
+from grid_mapper.loop_session import GraphState, Rebuilt, Restart, map_events
+from grid_mapper.motion import rotated
+from grid_mapper.opaque_cells import APART
+from grid_mapper.placed_readings import PlacedReadings
+from grid_mapper.surface_points import SurfacePoints
+
+REPLAY_S = 0.01
+"""Time taken with each scan to bring maps made anew up to now."""
+REPLAYED_AT_ONCE = 5
+MAX_PENDING = 50_000
+"""Events that the background may be behind; then it is given up."""
+
+
+class ClosingMapper:
+    """Turns scans and sonar readings into poses and layers, with loops closed.
+
+    Attributes:
+        config: Its values; change them with `reconfigure`.
+        graph: How the graph was when last heard of.
+        corrections: What poses are corrected by; another object after each correction.
+        node: The newest node.
+    """
+
+    def __init__(self, config: GridMapperConfig, worker: Worker) -> None:
+        self.config, self._worker = config, worker
+        self._num_events = self._num_changes_before = 0
+        self._empty()
+
+    def reset(self) -> None:
+        """Forget the maps, the pose and the graph."""
+        self._worker.send(Restart(self._num_events, self.config))
+        self._num_events += 1
+        self._empty()
+
+    def reconfigure(self, config: GridMapperConfig) -> None:
+        """Go on with other values; the background goes on with those it began with."""
+        self.config = config
+        self._front.reconfigure(config)
+        self._maps.reconfigure(config)
+
+    def insert_scan(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> ScanResult:
+        """Localize and map one scan; see `LayeredMapper.insert_scan`."""
+        self._take_answers()
+        scan = self.config.clipped(scan)
+        result, is_node = self._front.follow(stamp_ns, scan, T_base_laser, T_odom_base)
+        if result.is_trusted:
+            self._keep_scan(stamp_ns, scan, T_base_laser, result, is_node)
+        return self._in_map(result)
+
+    def insert_range(
+        self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str
+    ) -> None:
+        """Take one sonar reading; see `LayeredMapper.insert_range`."""
+        self._readings.push(stamp_ns, reading, T_base_sonar, sensor)
+        self._place_readings()
+
+    def relocate(
+        self, T_map_base: SE2, cov: np.ndarray | None = None,
+        seen: Iterable[tuple[SurfacePoints, SE2]] = (),
+    ) -> None:  # fmt: skip
+        """Go on from another pose; see `ScanLocalizer.relocate`.
+
+        Args:
+            T_map_base: About where the robot is.
+            cov: Of (x, y, yaw) in map axes, shape (3, 3).
+            seen: What is known of the surroundings: points and their poses in the map.
+        """
+        T_local_map = self._T_map_local.inverse()
+        self._front.see((points, T_local_map @ pose) for points, pose in seen)
+        turned = None if cov is None else rotated(cov, T_local_map.yaw)
+        self._front.relocate(T_local_map @ T_map_base, turned)
+        self._readings.break_here()
+
+    def break_motion(self) -> None:
+        """Forget the motion so far: time or odometry jumped. Maps and pose stay."""
+        T_local_map = self._T_map_local.inverse()
+        if self._first_seen:
+            poses = [self.corrections.at(k, pose) for k, (_, pose) in enumerate(self._first_seen)]
+            seen = zip((points for points, _ in self._first_seen), poses, strict=True)
+            self._front.see((points, T_local_map @ pose) for points, pose in seen)
+            self._front.break_motion(T_local_map @ poses[0])
+        self._readings.clear()
+
+    def in_local(self, T_map_base: SE2) -> SE2:
+        """Return a pose of now in the front end's frame; `corrections` brings it back."""
+        return self._T_map_local.inverse() @ T_map_base
+
+    def moment(self) -> LayersMoment:
+        """Return what makes all maps as they stand; quick, however large the floor is."""
+        return self._maps.moment()
+
+    def layers(self) -> Layers:
+        """Return all maps as they stand."""
+        return self.moment().layers()
+
+    @property
+    def num_changes(self) -> int:
+        """Grows whenever one of the maps may have changed."""
+        return self._num_changes_before + self._maps.num_changes
+
+    @property
+    def sonar_counts(self) -> SonarCounts:
+        """What became of readings so far."""
+        before, now = self._counts_before, self._maps.sonar_counts
+        pairs = zip(astuple(before), astuple(now), strict=True)
+        return replace(
+            SonarCounts(*(a + b for a, b in pairs)), unplaced=self._readings.num_unplaced
+        )
+
+    @property
+    def num_bytes(self) -> int:
+        """Bytes held here by what scans are fitted to and the maps."""
+        return self._front.num_bytes + self._maps.num_bytes
+
+    @property
+    def num_behind(self) -> int:
+        """Events that the background has not answered to."""
+        return len(self._pending)
+
+    @property
+    def failure(self) -> str:
+        """Why no loops are closed any more; "" while they are."""
+        if len(self._pending) >= MAX_PENDING:
+            return "closing loops takes longer than driving: given up"
+        return self._worker.failure
+
+    def close(self) -> None:
+        """End the background."""
+        self._worker.close()
+
+    def _keep_scan(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, result: ScanResult, is_node: bool
+    ) -> None:
+        pose = result.T_map_base
+        self.node += is_node
+        if is_node and len(self._first_seen) <= self.config.loop.submap_nodes:
+            points = points_of(scan, T_base_laser, self.config.matcher)
+            self._first_seen.append((points, pose))
+        is_apart = self._apart.take(stamp_ns, pose, APART)
+        self._readings.add_pose(stamp_ns, pose)
+        self._maps.place_scan(stamp_ns, scan, T_base_laser, self._T_map_local @ pose)
+        if is_node or is_apart:
+            seen = (scan, T_base_laser, pose, self.node, is_node, result.information)
+            self._send(KeptScan(self._num_events, stamp_ns, *seen))
+        self._place_readings()
+
+    def _empty(self) -> None:
+        """Begin with empty maps, at the first pose of all."""
+        config = self.config
+        self.graph = GraphState(-1)
+        self.corrections = Corrections.of([], [])
+        self.node = NO_NODE
+        self._T_map_local = SE2.identity()
+        self._front, self._maps = FrontEnd(config), LayeredMapper(config)
+        self._coming: tuple[Rebuilt, deque[Kept]] | None = None
+        self._pending: deque[Kept] = deque()
+        self._readings, self._to_keep = PlacedReadings(), ReadingsToKeep(config.bayes)
+        self._apart, self._counts_before = KeyScans(), SonarCounts()
+        self._first_number = self._num_events
+        self._first_seen: list[tuple[SurfacePoints, SE2]] = []
+
+    def _place_readings(self) -> None:
+        """Map the readings that the newest scan has caught up with."""
+        for w, pose in self._readings.take(self.config.sonar.max_pose_gap_s):
+            place = (w.T_base_sonar, w.sensor, self._T_map_local @ pose)
+            self._maps.place_range(w.stamp_ns, w.reading, *place)
+            if self._to_keep.take(w.stamp_ns, w.reading, pose, w.sensor):
+                seen = (w.reading, w.T_base_sonar, pose, self.node, w.sensor)
+                self._send(KeptReading(self._num_events, w.stamp_ns, *seen))
+
+    def _send(self, event: Kept) -> None:
+        self._num_events += 1
+        if self.failure:
+            return
+        self._worker.send(event)
+        self._pending.append(event)
+        if self._coming is not None:
+            self._coming[1].append(event)
+
+    def _take_answers(self) -> None:
+        """Take what the background has to say, and go on bringing new maps up to now."""
+        while (answer := self._worker.receive()) is not None:
+            if answer.number < self._first_number:
+                continue  # of what was forgotten since
+            while self._pending and self._pending[0].number <= answer.number:
+                self._pending.popleft()
+            if isinstance(answer, GraphState):
+                self.graph = answer
+            else:
+                self._coming = (answer, deque(self._pending))
+        if self._coming is not None:
+            self._replay(*self._coming)
+
+    def _replay(self, rebuilt: Rebuilt, events: deque[Kept]) -> None:
+        until = time.perf_counter() + REPLAY_S
+        while events and time.perf_counter() < until:
+            some = [events.popleft() for _ in range(min(REPLAYED_AT_ONCE, len(events)))]
+            map_events(rebuilt.mapper, some, rebuilt.corrections)
+        if not events:
+            self._swap(rebuilt)
+
+    def _swap(self, rebuilt: Rebuilt) -> None:
+        """Let the new maps and the new correction take the place of the old."""
+        self._coming = None
+        new = rebuilt.mapper
+        self._num_changes_before = self.num_changes + 1 - new.num_changes
+        pairs = zip(astuple(self.sonar_counts), astuple(new.sonar_counts), strict=True)
+        self._counts_before = SonarCounts(*(a - b for a, b in pairs))
+        self._maps = new
+        self._maps.reconfigure(self.config)
+        self.corrections = rebuilt.corrections
+        self._T_map_local = rebuilt.corrections.T_map_local
+
+    def _in_map(self, result: ScanResult) -> ScanResult:
+        """Return a result of the front end in the map."""
+        T, information = self._T_map_local, result.information
+        return replace(
+            result, T_map_base=T @ result.T_map_base, cov=rotated(result.cov, T.yaw),
+            information=None if information is None else rotated(information, T.yaw),
+        )  # fmt: skip

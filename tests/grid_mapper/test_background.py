@@ -1,0 +1,81 @@
+"""Work in another process: answers come back, its end is said, nobody waits for it."""
+
+import os
+import time
+
+import pytest
+
+from grid_mapper.background import InlineWorker, ProcessWorker
+
+
+class Adding:
+    """Sums what it is given; answers in a step of its own, and ends its process at a negative."""
+
+    def __init__(self, start):
+        self._sum, self._has_news = start, False
+
+    def take(self, message):
+        if message < 0:
+            os._exit(3)
+        self._sum, self._has_news = self._sum + message, True
+        print("what is printed hurts nobody")
+        return ("took", message)
+
+    @property
+    def has_work(self):
+        return self._has_news
+
+    def work(self):
+        self._has_news = False
+        return ("sum", self._sum)
+
+
+def wait_for(condition):
+    until = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def worker():
+    worker = ProcessWorker(Adding, 5)
+    yield worker
+    worker.close()
+
+
+def answers(worker, num):
+    found = []
+
+    def has_all():
+        while (answer := worker.receive()) is not None:
+            found.append(answer)
+        return len(found) >= num
+
+    wait_for(has_all)
+    return found
+
+
+def test_the_process_answers_as_the_work_does_here(worker):
+    inline = InlineWorker(Adding(5))
+    for number in (1, 2):
+        inline.send(number)
+        worker.send(number)
+        expected = [("took", number), ("sum", 5 + (1 if number == 1 else 3))]
+        assert [inline.receive(), inline.receive(), inline.receive()] == [*expected, None]
+        assert answers(worker, 2) == expected
+    assert worker.failure == ""
+
+
+def test_a_process_that_ends_by_itself_is_said_and_sending_goes_on(worker):
+    worker.send(-1)
+    wait_for(lambda: bool(worker.failure))
+    worker.send(1)
+    assert "code 3" in worker.failure and worker.receive() is None
+
+
+def test_closing_is_no_failure():
+    worker = ProcessWorker(Adding, 0)
+    worker.send(1)
+    worker.close()
+    assert worker.failure == ""
