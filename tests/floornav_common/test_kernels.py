@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import fcntl
 import threading
+from types import SimpleNamespace
 
 import numba
 import pytest
@@ -15,7 +16,7 @@ def own_locks(tmp_path, monkeypatch):
     monkeypatch.setattr(kernels.tempfile, "gettempdir", lambda: str(tmp_path))
 
 
-def test_a_new_kernel_is_told_once_and_a_known_one_not_at_all():
+def test_new_kernels_are_told_before_and_after_and_known_ones_not_at_all():
     double, triple = numba.njit(lambda x: 2 * x), numba.njit(lambda x: 3 * x)
     said: list[str] = []
 
@@ -23,9 +24,20 @@ def test_a_new_kernel_is_told_once_and_a_known_one_not_at_all():
         assert (double(2), triple(2)) == (4, 6)
 
     assert compile_once(call, "some/node", said.append) == 2
-    assert len(said) == 1 and said[0].startswith("compiling its kernels")
+    assert len(said) == 2
+    assert said[0].startswith("compiling its kernels") and said[1].startswith("kernels compiled in")
     assert compile_once(call, "some/node", said.append) == 0
-    assert len(said) == 1
+    assert len(said) == 2
+
+
+def test_what_takes_long_says_how_far_it_is(monkeypatch):
+    kernels_of_test = [numba.njit(lambda x, k=k: k + x) for k in range(4)]
+    said: list[str] = []
+    now = iter(range(0, 10_000, 10))  # every look at the clock is 10 s later
+    monkeypatch.setattr(kernels, "time", SimpleNamespace(monotonic=lambda: float(next(now))))
+    compile_once(lambda: [k(1.0) for k in kernels_of_test], "node", said.append)
+    assert any(line.startswith("still compiling: kernel 3, ") for line in said)
+    assert said[-1].startswith("kernels compiled in")
 
 
 def test_who_comes_second_waits_and_says_so():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 
@@ -51,7 +52,9 @@ def test_another_thread_may_use_it_too() -> None:
 @pytest.fixture
 def signals() -> Iterator[StopSignals]:
     before = {s: signal.getsignal(s) for s in (signal.SIGINT, signal.SIGTERM)}
+    hook = sys.unraisablehook
     yield StopSignals()
+    sys.unraisablehook = hook
     for signum, handler in before.items():
         signal.signal(signum, handler)
 
@@ -82,6 +85,47 @@ def test_a_signal_that_is_swallowed_in_the_block_is_known_and_not_raised_again(
             os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGINT)
     assert signals.have_come
+
+
+class Stubborn:
+    """Is sent a signal in a place that no exception leaves."""
+
+    def __del__(self) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+
+
+class Broken:
+    """Fails in a place that no exception leaves."""
+
+    def __del__(self) -> None:
+        raise ValueError
+
+
+def test_a_signal_that_python_loses_in_the_block_comes_again_and_is_not_printed(
+    signals: StopSignals, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(KeyboardInterrupt), signals.raised():
+        Stubborn()
+        threading.Event().wait(30.0)
+        pytest.fail("the signal did not come again")
+    Broken()  # as what was left half done would be
+    assert signals.have_come
+    assert capfd.readouterr().err == ""
+
+
+def test_other_exceptions_that_python_loses_in_the_block_are_told_as_before(
+    signals: StopSignals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[type[BaseException] | None] = []
+
+    def tell(lost: sys.UnraisableHookArgs) -> None:
+        told.append(lost.exc_type)
+
+    monkeypatch.setattr(sys, "unraisablehook", tell)
+
+    with signals.raised():
+        Broken()
+    assert told == [ValueError] and sys.unraisablehook is tell
 
 
 def test_nodes_may_run_in_another_thread() -> None:

@@ -12,16 +12,20 @@ import os
 import re
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from importlib import import_module
 from pathlib import Path
 
 _COMPILES = "numba:compile"  # the event of a kernel that was not on disk
+_SAY_EVERY_S = 15.0
 
 
 def compile_once(compile_kernels: Callable[[], None], name: str, say: Callable[[str], None]) -> int:
-    """Run what makes numba compile; nothing is said if all of it was compiled before.
+    """Run what makes numba compile: what is said is when it begins, how far it is, and the end.
+
+    Nothing is said if all of it was compiled before.
 
     Args:
         compile_kernels: Calls the kernels.
@@ -41,12 +45,17 @@ def compile_once(compile_kernels: Callable[[], None], name: str, say: Callable[[
 
     class Listener(event.Listener):  # type: ignore[name-defined, misc]
         num = 0
+        begun = said = 0.0
 
         def on_start(self, _event: object) -> None:
             self.num += 1
             if self.num == 1:
                 say("compiling its kernels: the first time on this machine, may take a minute")
+                self.begun = self.said = time.monotonic()
                 _lock(name, say, stack)
+            elif time.monotonic() - self.said >= _SAY_EVERY_S:
+                self.said = time.monotonic()
+                say(f"still compiling: kernel {self.num}, {self.said - self.begun:.0f} s")
 
         def on_end(self, _event: object) -> None:
             pass
@@ -54,6 +63,8 @@ def compile_once(compile_kernels: Callable[[], None], name: str, say: Callable[[
     listener = Listener()
     with ExitStack() as stack, event.install_listener(_COMPILES, listener):
         compile_kernels()
+    if listener.num:
+        say(f"kernels compiled in {time.monotonic() - listener.begun:.0f} s")
     return listener.num
 
 

@@ -7,12 +7,14 @@ interrupted.
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_AGAIN_S = 0.05
 
 
 class StopSignals:
@@ -25,7 +27,7 @@ class StopSignals:
     def __init__(self) -> None:
         """Replace the handlers of before."""
         self.have_come = False
-        self._is_raised = False
+        self._is_raised = self._is_lost = False
         if threading.current_thread() is threading.main_thread():
             for signum in _SIGNALS:
                 signal.signal(signum, self._on_signal)
@@ -34,19 +36,38 @@ class StopSignals:
     def raised(self) -> Iterator[None]:
         """Raise KeyboardInterrupt inside the block at the first signal, and only at that one.
 
-        One that came before the block is raised at once.
+        One that came before the block is raised at once. One that is lost where Python cannot pass
+        an exception on (`__del__` of what a compiler leaves behind) is raised again, not printed;
+        nor is what fails in such places because of it, to the end of the process.
         """
-        self._is_raised = True
+        before = sys.unraisablehook
+
+        def on_lost(lost: sys.UnraisableHookArgs) -> None:
+            if not self.have_come:
+                before(lost)
+            elif lost.exc_type is KeyboardInterrupt and not self._is_lost:
+                self._is_lost = True
+                threading.Timer(_AGAIN_S, self._send_again).start()
+
+        self._is_raised, sys.unraisablehook = True, on_lost
         try:
             if self.have_come:
                 raise KeyboardInterrupt
             yield
         finally:
             self._is_raised = False
+            if not self.have_come:
+                sys.unraisablehook = before
+
+    def _send_again(self) -> None:
+        main = threading.main_thread().ident
+        if self._is_raised and main is not None:
+            signal.pthread_kill(main, signal.SIGINT)
 
     def _on_signal(self, signum: int, frame: FrameType | None) -> None:
         is_first, self.have_come = not self.have_come, True
-        if is_first and self._is_raised:
+        if (is_first or self._is_lost) and self._is_raised:
+            self._is_lost = False
             raise KeyboardInterrupt
 
 
