@@ -24,7 +24,7 @@ from multi_localizer.landmark_config import LandmarkConfig, LandmarkNodeConfig, 
 from multi_localizer.stereo_config import StereoMatcherConfig
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_localizer_node_config import StereoLocalizerNodeConfig
-from multi_localizer.stereo_node_config import StereoNodeConfig
+from multi_localizer.stereo_pairs_config import StereoPairsConfig
 from multi_localizer.team_config import TeamConfig
 from multi_localizer.team_node_config import TeamNodeConfig, TeamTimingConfig
 from sim_bridge.camera_config import OmniCameraConfig, StereoConfig
@@ -61,7 +61,7 @@ NODES: dict[str, tuple[type, ...]] = {
     "multi_localizer stereo_localizer": (
         StereoLocalizerNodeConfig, StereoLocalizerConfig, FrameConfig, ProcessConfig,
     ),
-    "multi_localizer stereo_matcher": (StereoNodeConfig, StereoMatcherConfig, ProcessConfig),
+    "multi_localizer stereo_matcher": (StereoPairsConfig, StereoMatcherConfig, ProcessConfig),
     "multi_localizer team_localizer": (
         TeamNodeConfig, TeamTimingConfig, TeamConfig, FrameConfig, ProcessConfig,
     ),

@@ -110,6 +110,8 @@ def test_what_is_open_is_said_with_what_would_tell() -> None:
     both = [at(0.0), at(1.0)]
     assert "2 poses fit alike: no goal (blue or red)" in why_open(both, ("blue", "red"), 3)
     assert "initialpose" in why_open(both, (), 3)
+    three, four = ([at(float(k)) for k in range(num)] for num in (3, 4))
+    assert why_open(three, (), 3) == why_open(four, (), 3)  # how many changes from mask to mask
 
 
 def test_masks_that_mostly_contradict_a_pose_count_only_after_one_that_does_not() -> None:

@@ -11,11 +11,12 @@ from floor_masks import mask_of, rectangle, small_camera
 from floornav_common.se2 import SE2
 from multi_localizer.floor_fitter import FloorFit, FloorShapeFitter
 from multi_localizer.floor_misfit import FloorMisfit, oddness
+from multi_localizer.floor_plan import FloorPlan
 from multi_localizer.pose_estimate import PoseEstimate
 
 GOOD = FloorFit((PoseEstimate(SE2.identity(), np.eye(3)),), 300, 0.35, 0.2, "", 0.6, (0.2,))
 SCATTERED, BESIDE = replace(GOOD, residual_px=0.8), replace(GOOD, offset_px=-2.5)
-HIDDEN = replace(GOOD, costs=(0.62,))
+HIDDEN, BEHIND = replace(GOOD, costs=(0.62,)), replace(GOOD, costs=(0.1,), first_cost=0.25)
 NONE = FloorFit((), 40, 1.4, 0.8, "80% of the directions show no wall of the plan")
 COVERED = FloorFit((), 0, float("nan"), 1.0, "only 0 pixels of the floor's border are seen")
 
@@ -29,7 +30,13 @@ def after(fits, period_s=0.1):
 
 @pytest.mark.parametrize(
     ("odd", "words"),
-    [(SCATTERED, "scattered"), (BESIDE, "beside"), (HIDDEN, "little of"), (NONE, "no pose")],
+    [
+        (SCATTERED, "scattered"),
+        (BESIDE, "beside"),
+        (HIDDEN, "little of"),
+        (NONE, "no pose"),
+        (BEHIND, "behind the plan's walls"),
+    ],
 )
 def test_five_seconds_of_odd_masks_are_said_with_what_may_be_wrong(odd, words):
     assert after([odd] * 49) == ""
@@ -65,3 +72,12 @@ def test_masks_of_the_right_floor_are_not_odd_and_those_of_another_camera_are():
     higher = replace(camera, height_m=1.3 * camera.height_m)
     assert oddness(FloorShapeFitter(higher, plan).fit(mask))
     assert oddness(FloorShapeFitter(camera, rectangle(3.4, 1.9)).fit(mask))
+
+
+def test_floor_where_the_plan_has_a_corner_less_is_odd():
+    camera, whole = small_camera(), rectangle(2.74, 1.525)
+    x, y = 1.37, 0.7625
+    less = FloorPlan(np.array([[x, -y], [x, 0.3], [0.9, 0.3], [0.9, y], [-x, y], [-x, -y]]))
+    for pose in (SE2(0.0, -0.2, 0.4), SE2(0.4, -0.5, 1.4), SE2(-0.5, 0.2, 3.0)):
+        assert "behind" in oddness(FloorShapeFitter(camera, less).fit(mask_of(camera, whole, pose)))
+        assert oddness(FloorShapeFitter(camera, less).fit(mask_of(camera, less, pose))) == ""

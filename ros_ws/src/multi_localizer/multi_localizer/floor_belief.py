@@ -137,7 +137,7 @@ def why_open(hypotheses: Sequence[Hypothesis], goals: Sequence[str], settle_mask
         return f"more than {ODD_COST:.0%} of the border has not fitted it in any mask yet"
     if len(hypotheses) == 1:
         return f"{hypotheses[0].num_masks} of {settle_masks} masks have shown it yet"
-    alike = f"{len(hypotheses)} poses fit alike"
+    alike = f"{'2' if len(hypotheses) == 2 else 'several'} poses fit alike"  # not all in each mask
     if not goals:
         return f"{alike}: the plan names no goal that tells, and nobody sent initialpose"
     return f"{alike}: no goal ({' or '.join(goals)}) has told them apart yet"

@@ -14,6 +14,7 @@ WINDOW_NS, MIN_MASKS = 5_000_000_000, 10
 MOST, LEAST = 0.8, 0.5  # share of odd masks that raises doubt, and that ends it
 # Over 500 masks of the right plan and camera, up to 40 % hidden: 0.45 px, 0.9 px, 0.57.
 ODD_RMS_PX, ODD_OFFSET_PX, ODD_COST = 0.55, 1.5, 0.55
+ODD_BEHIND = 0.08  # of the cost that is left out because it lies behind walls
 LIKELY = (
     "`plan` is of another floor, `camera_model` is another camera's (its mirror, center, height), "
     "or more than half of the border is hidden"
@@ -67,4 +68,6 @@ def oddness(fit: FloorFit) -> str:
     if fit.residual_px > ODD_RMS_PX:
         return "the border has scattered about the walls"
     cost = max(fit.costs[:1], default=0.0)
+    if fit.first_cost - cost > ODD_BEHIND:
+        return "floor has been seen behind the plan's walls"
     return "little of the border has fitted the plan" if cost > ODD_COST else ""

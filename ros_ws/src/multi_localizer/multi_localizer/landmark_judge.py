@@ -11,8 +11,16 @@ from scipy.special import chdtri
 
 from floornav_common.se2 import wrap_angle
 from multi_localizer.landmark_config import LandmarkConfig
-from multi_localizer.landmark_fit import PoseFit, Sighting, estimate_of, is_curved, open_geometry
-from multi_localizer.landmarks import Landmark
+from multi_localizer.landmark_fit import (
+    PoseFit,
+    Sighting,
+    estimate_of,
+    is_curved,
+    open_geometry,
+    residuals,
+    without_distance,
+)
+from multi_localizer.landmarks import Landmark, Landmarks
 from multi_localizer.pose_estimate import PoseEstimate, mahalanobis
 
 NEED = 3  # numbers for three unknowns
@@ -103,6 +111,26 @@ def are_apart(a: Explanation, b: Explanation) -> bool:
     apart = math.hypot(a.fit.pose.x - b.fit.pose.x, a.fit.pose.y - b.fit.pose.y)
     turned = abs(wrap_angle(a.fit.pose.yaw - b.fit.pose.yaw))
     return apart > _CLEARLY_OTHER_M or turned > _CLEARLY_OTHER_RAD
+
+
+def why_left_out(best: Explanation, seen: Sequence[Sighting], known: Landmarks) -> tuple[str, ...]:
+    """Return in words, of each sighting that the best explanation leaves out, what is wrong."""
+    return tuple(
+        f"{s.kind} at {math.degrees(wrap_angle(s.bearing)):.0f} deg: {_off(best, s, known)}"
+        for s, pair in zip(seen, best.marks, strict=True)
+        if pair is None
+    )
+
+
+def _off(best: Explanation, sighting: Sighting, known: Landmarks) -> str:
+    seen_there = [pair[1] for pair in best.marks if pair is not None]
+    free = [m for m in known[sighting.kind] if all(m is not other for other in seen_there)]
+    if not free:
+        return f"every {sighting.kind} is seen at another bearing"
+    alone = without_distance(sighting)
+    sds = min(abs(residuals(best.fit.pose, [alone], [mark])[0][0]) for mark in free)
+    off = math.degrees(sds * sighting.bearing_sd)
+    return f"{off:.1f} deg beside the nearest {sighting.kind} not yet seen"
 
 
 def _contradiction(best: Explanation, num_used: int, num_values: int, num_seen: int) -> str:

@@ -21,6 +21,7 @@ from multi_localizer.landmark_judge import (
     as_expected,
     is_near,
     judge,
+    why_left_out,
 )
 from multi_localizer.landmark_starts import choices, refined_poses, rough_costs
 from multi_localizer.landmarks import Landmark, Landmarks
@@ -38,7 +39,7 @@ class LandmarkFix:
         estimate: Its pose; None if there is none to be had.
         problem: Why there is none; "" if there is.
         num_used: Sightings that made it.
-        num_left_out: Sightings that fit no landmark.
+        left_out: What fits no landmark, and why: a sighting each, in words.
         note: What was left out before, or is missing, in words.
         is_elsewhere: Whether what was seen is explained well, but by no pose near the expected one.
     """
@@ -46,7 +47,7 @@ class LandmarkFix:
     estimate: PoseEstimate | None
     problem: str = ""
     num_used: int = 0
-    num_left_out: int = 0
+    left_out: tuple[str, ...] = ()
     note: str = ""
     is_elsewhere: bool = False
 
@@ -82,14 +83,14 @@ class LandmarkLocator:
         tries = as_expected(tries, expected, self._config)
         best = tries[0]
         used = [pair for pair in best.marks if pair is not None]
-        num_out = len(usable) - len(used)
+        out = why_left_out(best, usable, self._landmarks)
         verdict = judge(tries, sum(s.num_values for s in usable), self._config)
         is_there = expected is None or is_near(best, expected, self._config)
         is_elsewhere = verdict.is_sound and not is_there
         if verdict.problem:
-            return LandmarkFix(None, verdict.problem, 0, num_out, note, is_elsewhere)
+            return LandmarkFix(None, verdict.problem, 0, out, note, is_elsewhere)
         notes = "; ".join(words for words in (note, verdict.note) if words)
-        return LandmarkFix(verdict.estimate, "", len(used), num_out, notes, is_elsewhere)
+        return LandmarkFix(verdict.estimate, "", len(used), out, notes, is_elsewhere)
 
     def _usable(self, sightings: Sequence[Sighting]) -> tuple[list[Sighting], str]:
         finite = [s for s in sightings if math.isfinite(s.bearing)]

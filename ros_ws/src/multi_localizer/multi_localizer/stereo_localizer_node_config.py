@@ -19,11 +19,6 @@ class StereoLocalizerNodeConfig(StereoPairsConfig):
         True, "Follow the motion by odom -> base; without it the robot is taken to stand.",
         read_only=True,
     )  # fmt: skip
-    image_timeout_s: float = param(1.0, "Silence of the disparities allowed.", unit="s", gt=0.0)
-    wait_s: float = param(
-        0.2, "How long what has one stamp waits for the rest of it.", unit="s", gt=0.0, le=10.0,
-        read_only=True,
-    )  # fmt: skip
     pairs_wait_s: float = param(
         2.0, "How long the first pair waits for the others to appear, before it goes on alone.",
         unit="s", ge=0.0, read_only=True,

@@ -20,6 +20,14 @@ class StereoPairsConfig:
         choices=("raw", "compressed"), read_only=True,
     )  # fmt: skip
 
+    image_timeout_s: float = param(
+        1.0, "Silence of a pair's images or disparities allowed.", unit="s", gt=0.0
+    )
+    wait_s: float = param(
+        0.2, "How long what has one stamp waits for the rest of it.", unit="s", gt=0.0, le=10.0,
+        read_only=True,
+    )  # fmt: skip
+
     def __post_init__(self) -> None:
         validate(self)
         if not self.pairs or len(set(self.pairs)) < len(self.pairs):

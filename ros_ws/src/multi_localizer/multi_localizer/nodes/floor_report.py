@@ -105,6 +105,8 @@ class FloorReport:
             values["border pixels on walls"] = fit.num_points
             values["residual (px)"] = f"{fit.residual_px:.2f}"
             values["hidden (share)"] = f"{fit.hidden_share:.2f}"
+            behind = max(0.0, fit.first_cost - max(fit.costs[:1], default=0.0))
+            values["floor behind walls (weighted share)"] = f"{behind:.2f}"
             values["border inside the walls (px)"] = f"{fit.offset_px:.2f}"
         if self._localizer.size_doubt:
             values["size of the masks"] = self._localizer.size_doubt

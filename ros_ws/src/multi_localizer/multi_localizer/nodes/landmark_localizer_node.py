@@ -36,9 +36,9 @@ from multi_localizer.landmark_views import LandmarkViews
 from multi_localizer.landmarks import load_landmarks
 from multi_localizer.nodes.landmark_report import LandmarkReport
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
+from multi_localizer.nodes.stamped_input import StampedInput
 from multi_localizer.nodes.state_log import StateLog
 from multi_localizer.ros_conversions import bearings_from_msg
-from multi_localizer.stamp_groups import StampGroups
 
 MASK = "floor/mask"
 LOG_PERIOD_S = 5.0
@@ -53,12 +53,12 @@ class LandmarkLocalizerNode(FloornavNode):
         config = self._config = declare_config(self, LandmarkNodeConfig)
         self._floor_frame = (self.frames.frame_prefix + config.floor_frame).lstrip("/")
         self._localizer = self._make_localizer(config)
-        self._groups = StampGroups(round(config.wait_s * 1e9))
+        self._seen = StampedInput(self, config.wait_s, self._locate)
         self._outputs = LocalizerOutputs(self, "landmark_pose", config.publish_tf)
         self._odometry = OdometryFallback(self)
         self._watchdog = Watchdog(self, "bearings", config.input_timeout_s)
         self._report = LandmarkReport(
-            self, self._watchdog, self._outputs, self._groups, config.input_timeout_s
+            self, self._watchdog, self._outputs, self._seen.groups, config.input_timeout_s
         )
         self.diagnostics.add("landmark pose", self._report.status)
         self._log = StateLog(self, self._report.status, period_s=LOG_PERIOD_S)
@@ -72,7 +72,7 @@ class LandmarkLocalizerNode(FloornavNode):
         if config.method == "floor":
             create_subscription(self, Image, MASK, self._on_mask, SENSOR_QOS)
             self._report.watch_masks(MASK)
-        self.transforms.on_restart(self._groups.clear)
+        self.transforms.on_restart(self._seen.groups.clear)
         self.transforms.on_restart(self._localizer.tracker.clear)
         self.time.on_look(self._look)
         self.ready()
@@ -93,7 +93,8 @@ class LandmarkLocalizerNode(FloornavNode):
 
     def _on_bearings(self, kind: str, msg: Any, T_base_sensor: Transform3) -> None:
         self._watchdog.feed()
-        self._add(kind, msg, (bearings_from_msg(msg), T_base_sensor.to_se2()))
+        bearings = bearings_from_msg(msg), T_base_sensor.to_se2()
+        self._seen.add(kind, stamp_to_ns(msg.header.stamp), bearings)
 
     def _on_mask(self, msg: Any) -> None:
         try:
@@ -102,16 +103,9 @@ class LandmarkLocalizerNode(FloornavNode):
             self._report.refuse_mask(str(error))
             return
         self._report.note_mask()
-        self._add(MASK, msg, mask)
-
-    def _add(self, key: str, msg: Any, value: Any) -> None:
-        stamp_ns = stamp_to_ns(msg.header.stamp)
-        for group in self._groups.add(key, stamp_ns, value, self.time.steady_ns()):
-            self._locate(*group)
+        self._seen.add(MASK, stamp_to_ns(msg.header.stamp), mask)
 
     def _look(self) -> None:
-        for group in self._groups.overdue(self.time.steady_ns()):
-            self._locate(*group)
         if self._report.is_lost and not self.time.is_stopped:
             self._outputs.stop_tf()
 

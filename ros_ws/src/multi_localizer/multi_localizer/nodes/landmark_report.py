@@ -128,7 +128,9 @@ class LandmarkReport:
         }
         if self._answer is not None:
             fix = self._answer.fix
-            values["landmarks used"], values["landmarks left out"] = fix.num_used, fix.num_left_out
+            values["landmarks used"], values["bearings left out"] = fix.num_used, len(fix.left_out)
+            if fix.left_out:
+                values["left out, and why"] = "; ".join(fix.left_out)
             newest = fix.problem or self._answer.why_not
             if newest:
                 values["newest view gives no pose"] = newest

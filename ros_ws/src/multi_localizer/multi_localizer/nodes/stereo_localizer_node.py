@@ -25,10 +25,10 @@ from floornav_common.ros.qos import RELIABLE_QOS, create_publisher
 from floornav_common.se2 import SE2
 from floornav_common.transform_errors import TransformUnavailable
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
+from multi_localizer.nodes.stamped_input import StampedInput
 from multi_localizer.nodes.state_log import StateLog
 from multi_localizer.nodes.stereo_report import StereoReport
 from multi_localizer.nodes.stereo_view_input import DISPARITY, LEFT, StereoViewInput
-from multi_localizer.stamp_groups import StampGroups
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_localizer_node_config import StereoLocalizerNodeConfig
 from multi_localizer.stereo_moments import StereoMoments
@@ -50,16 +50,17 @@ class StereoLocalizerNode(FloornavNode):
         threads = int(self.get_parameter("num_threads").value)
         wait_ns = round(config.pairs_wait_s * 1e9)
         self._moments = StereoMoments(self._voxels, method, config.pairs, wait_ns, threads)
-        self._groups = StampGroups(round(config.wait_s * 1e9))
+        self._seen = StampedInput(self, config.wait_s, self._locate)
         self._outputs = LocalizerOutputs(self, "stereo_pose", config.publish_tf)
         self._candidates = create_publisher(self, PoseArray, "stereo_pose/candidates", RELIABLE_QOS)
         self._odometry = OdometryFallback(self) if config.use_odom else None
         target = self.frames.odom if config.use_odom else self.frames.base
         self._inputs = {
-            name: StereoViewInput(self, name, config, target, self._add) for name in config.pairs
+            name: StereoViewInput(self, name, config, target, self._seen.add)
+            for name in config.pairs
         }
         watchdogs = {name: one.watchdog for name, one in self._inputs.items()}
-        self._report = StereoReport(watchdogs, self._outputs, self._groups)
+        self._report = StereoReport(watchdogs, self._outputs, self._seen.groups)
         self.diagnostics.add("stereo pose", self._report.status)
         self._log = StateLog(self, self._report.status)
         self.time.on_look(self._look)
@@ -78,17 +79,11 @@ class StereoLocalizerNode(FloornavNode):
         self._moments.reconfigure(config)
 
     def _restart(self) -> None:
-        self._groups.clear()
+        self._seen.groups.clear()
         self._moments.reset()
         self._report.forget()
 
-    def _add(self, key: str, stamp_ns: int, value: Any) -> None:
-        for group in self._groups.add(key, stamp_ns, value, self.time.steady_ns()):
-            self._locate(*group)
-
     def _look(self) -> None:
-        for group in self._groups.overdue(self.time.steady_ns()):
-            self._locate(*group)
         if self._report.is_lost and not self.time.is_stopped:
             self._outputs.stop_tf()
 

@@ -24,7 +24,7 @@ from multi_localizer.ros_conversions import disparities_to_msg
 from multi_localizer.stereo_cameras import RectifiedPair
 from multi_localizer.stereo_config import StereoMatcherConfig
 from multi_localizer.stereo_matcher import StereoMatcher
-from multi_localizer.stereo_node_config import StereoNodeConfig
+from multi_localizer.stereo_pairs_config import StereoPairsConfig
 
 
 class StereoMatcherNode(FloornavNode):
@@ -33,7 +33,7 @@ class StereoMatcherNode(FloornavNode):
     def __init__(self) -> None:
         """Declare, compile, subscribe, and say ready."""
         super().__init__("stereo_matcher")
-        config = declare_config(self, StereoNodeConfig)
+        config = declare_config(self, StereoPairsConfig)
         matching = declare_config(self, StereoMatcherConfig, on_change=self._tune)
         self._num_threads = int(self.get_parameter("num_threads").value)
         self._matcher = StereoMatcher(matching, self._num_threads)

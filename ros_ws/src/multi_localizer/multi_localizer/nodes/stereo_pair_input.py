@@ -14,11 +14,11 @@ from floornav_common.ros.messages import compressed_to_array, image_to_array, st
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import SENSOR_QOS, create_subscription
 from floornav_common.ros.watchdog import Watchdog
+from multi_localizer.nodes.stamped_input import StampedInput
 from multi_localizer.nodes.state_log import StateLog
 from multi_localizer.ros_conversions import camera_from_msg
-from multi_localizer.stamp_groups import StampGroups
 from multi_localizer.stereo_cameras import CameraModel, RectifiedPair, rectified_pair
-from multi_localizer.stereo_node_config import StereoNodeConfig
+from multi_localizer.stereo_pairs_config import StereoPairsConfig
 
 SIDES = ("left", "right")
 _SINGLE_AFTER = 3
@@ -38,12 +38,11 @@ class StereoPairInput:
         self,
         node: FloornavNode,
         name: str,
-        config: StereoNodeConfig,
+        config: StereoPairsConfig,
         on_pair: Callable[[Any, np.ndarray, np.ndarray, RectifiedPair], None],
     ) -> None:
         """Subscribe at once."""
-        self._node, self._on_pair = node, on_pair
-        self._groups = StampGroups(round(config.wait_s * 1e9))
+        self._on_pair = on_pair
         self._cameras: dict[str, CameraModel] = {}
         self._problem, self._num_pairs, self._num_single, self._singles = "", 0, 0, 0
         topic = f"stereo/{name}"
@@ -62,14 +61,14 @@ class StereoPairInput:
         self.watchdog = Watchdog(node, node.resolve_topic_name(topic), config.image_timeout_s)
         node.diagnostics.add(f"stereo {name}", self.status)
         self._log = StateLog(node, self.status)
-        node.time.on_look(lambda: self._take(self._groups.overdue(node.time.steady_ns())))
-        node.time.on_restart(self._groups.clear)
+        self._images = StampedInput(node, config.wait_s, self._take)
+        node.time.on_restart(self._images.groups.clear)
 
     def status(self) -> Status:
         """Return whether disparities are sent, or why not."""
         values = {
             "pairs": self._num_pairs, "images without a partner": self._num_single,
-            "images that came too late": self._groups.num_late,
+            "images that came too late": self._images.groups.num_late,
         }  # fmt: skip
         if not self.watchdog.is_fresh:
             return Status(STALE, "no images: no disparities are sent", values)
@@ -85,21 +84,19 @@ class StereoPairInput:
 
     def _on_image(self, side: str, msg: Any) -> None:
         self.watchdog.feed()
-        now_ns = self._node.time.steady_ns()
-        self._take(self._groups.add(side, stamp_to_ns(msg.header.stamp), msg, now_ns))
+        self._images.add(side, stamp_to_ns(msg.header.stamp), msg)
 
-    def _take(self, groups: list[tuple[int, dict[str, Any]]]) -> None:
-        for _, images in groups:
-            if len(images) < len(SIDES):
-                self._num_single += 1
-                self._singles += 1
-                continue
-            self._singles = 0
-            try:
-                self._match(images)
-                self._problem = ""
-            except ValueError as error:
-                self._problem = str(error)
+    def _take(self, _: int, images: dict[str, Any]) -> None:
+        if len(images) < len(SIDES):
+            self._num_single += 1
+            self._singles += 1
+            return
+        self._singles = 0
+        try:
+            self._match(images)
+            self._problem = ""
+        except ValueError as error:
+            self._problem = str(error)
 
     def _match(self, images: dict[str, Any]) -> None:
         missing = [side for side in SIDES if side not in self._cameras]

@@ -6,17 +6,14 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-import numpy as np
-
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.node import FloornavNode
 from multi_localizer.clock_offsets import clock_problem
 from multi_localizer.nodes.state_log import StateLog
-from multi_localizer.robot_inbox import RobotInbox
+from multi_localizer.nodes.team_robot_report import clock_values, part_in_answer
 from multi_localizer.team_answers import TeamAnswer
 from multi_localizer.team_inbox import TeamInbox
 from multi_localizer.team_node_config import TeamTimingConfig
-from multi_localizer.team_views import NOBODY
 
 FEWEST = 3
 """Robots that make a triangle."""
@@ -107,7 +104,7 @@ class TeamReports:
         values: dict[str, object] = {k: robot.counts[k] for k in sorted(robot.counts)}
         clock = ""
         if name != self._own:
-            values |= _clock_values(robot)
+            values |= clock_values(robot)
             clock = clock_problem(robot.clock.offset, round(self._timing().max_skew_s * 1e9))
         if robot.problem:
             return Status(ERROR, robot.problem, values)
@@ -117,7 +114,7 @@ class TeamReports:
             return Status(WARN, robot.mount_problem, values)
         if self._answer is None:
             return Status(WARN, "; ".join(filter(None, ["no answer yet", clock])), values)
-        level, text = self._part(name, self._answer, values)
+        level, text = part_in_answer(name, self._answer, values)
         if clock and clock not in text:
             level, text = max(level, WARN), f"{text}; {clock}"
         return Status(level, text, values)
@@ -125,37 +122,3 @@ class TeamReports:
     def _silence(self, name: str) -> str:
         is_known = self._inbox.robots[name].heard_ns is not None
         return f"no bearings on /{name}/bearings/robots" + (" any more" if is_known else "")
-
-    def _part(self, name: str, answer: TeamAnswer, values: dict[str, object]) -> tuple[bytes, str]:
-        """Return its part in the newest answer."""
-        if name in answer.moment.missing:
-            return WARN, answer.moment.missing[name]
-        sight = answer.moment.sights[name]
-        identities = answer.solution.identities.get(name, np.zeros(0, dtype=int))
-        skew_ns = sight.stamp_ns - answer.moment.stamp_ns
-        values["bearings"] = len(sight.view.bearings)
-        values["bearings with a name"] = int(np.count_nonzero(identities != NOBODY))
-        values["taken after the moment (s)"] = f"{skew_ns / 1e9:.3f}"
-        values["has its own pose"] = sight.view.rough is not None
-        if name not in answer.bases:
-            if name in answer.solution.suspects:
-                return ERROR, "contradicts the others, and they do not confirm where it is"
-            if name in answer.solution.estimates:
-                return WARN, "too little of what it sees fits anybody"
-            return WARN, answer.solution.unobservable or answer.solution.problem or "not located"
-        sd = np.sqrt(np.diag(answer.bases[name].cov))
-        values["deviation (m)"] = f"{math.hypot(sd[0], sd[1]):.3f}"
-        values["deviation (deg)"] = f"{math.degrees(sd[2]):.2f}"
-        if name in answer.solution.suspects:
-            return WARN, "located by the others, which its own pose contradicts"
-        if sight.view.rough is None:
-            return WARN, "located without a pose of its own"
-        return OK, "located"
-
-
-def _clock_values(robot: RobotInbox) -> dict[str, object]:
-    offset = robot.clock.offset
-    if offset is None:
-        return {"clock offset (s)": "not known"}
-    error = "one way" if offset.error_ns is None else f"{offset.error_ns / 1e9:.4f}"
-    return {"clock offset (s)": f"{offset.offset_ns / 1e9:.4f}", "its error (s)": error}
