@@ -17,16 +17,17 @@ from sim_bridge.glass import Frame, Glass
 from sim_bridge.measures import Measure
 from sim_bridge.people.config import PeopleConfig
 from sim_bridge.people.schema import Crowd, Recording, WalkerPlan
+from sim_bridge.places import Goals, Route
 from sim_bridge.surfaces import SURFACES
-from sim_bridge.world import Ball, Column, Door, Furniture, RobotPlacement, Route, Wall, World
+from sim_bridge.world import Ball, Column, Door, Furniture, RobotPlacement, Wall, World
 
 PAGE = "world-files.md"
 SECTIONS: dict[str, type] = {
     "Top level": World, "walls": Wall, "doors": Door, "glass": Glass, "frame": Frame,
     "boxes, tables, shelves": Furniture, "columns": Column, "balls": Ball,
-    "robots": RobotPlacement, "route": Route, "floor": Floor, "areas": Area, "lines": Line,
-    "rings": Ring, "dirt": Dirt, "light": Light, "measures": Measure, "people": WalkerPlan,
-    "crowd": Crowd, "recorded_people": Recording, "people_model": PeopleConfig,
+    "robots": RobotPlacement, "route": Route, "goals": Goals, "floor": Floor, "areas": Area,
+    "lines": Line, "rings": Ring, "dirt": Dirt, "light": Light, "measures": Measure,
+    "people": WalkerPlan, "crowd": Crowd, "recorded_people": Recording, "people_model": PeopleConfig,
 }  # fmt: skip
 """Headings of the page, and what is read there."""
 

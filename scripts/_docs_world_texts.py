@@ -77,6 +77,11 @@ route:
   speed_m_s: 0.6
   waypoints_m: [[1.5, 1.2], [2.2, 2.0], [3.8, 2.0]]
 """,
+    "goals": """
+goals:
+  speed_m_s: 0.6
+  points_m: [[2.9, 1.2], [7.4, 1.2]]
+""",
     "floor": """
 floor:
   color: [0.10, 0.42, 0.20]
@@ -143,7 +148,8 @@ MEANINGS: dict[str, dict[str, str]] = {
         "light": "The lamp, for cameras.",
         "ceiling_m": "Height of a ceiling that cameras see; none = open.",
         "robots": "Robots and where they start.",
-        "route": "What the demo drives.",
+        "route": "What the demo drives, steered by a script.",
+        "goals": "Where the demo sends the robot, driven by the planner.",
         "measures": "Named lengths and angles, to compare a map with.",
         "people": "People with a plan each.",
         "crowd": "Walkers drawn by seed.",
@@ -177,6 +183,10 @@ MEANINGS: dict[str, dict[str, str]] = {
     },
     "route": {
         "waypoints_m": "Points in the world, driven in order.",
+        "speed_m_s": "Travel speed.",
+    },
+    "goals": {
+        "points_m": "Places in the world, one after the other.",
         "speed_m_s": "Travel speed.",
     },
     "floor": {

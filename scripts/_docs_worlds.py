@@ -46,7 +46,7 @@ class Shown:
 
 
 SHOWN = (
-    Shown("furnished_floor", "The demo's world: six furnished rooms on a corridor, for mapping.",
+    Shown("furnished_floor", "Six furnished rooms on a corridor, for mapping.",
           "No glass. Tables are legs to the laser. Arcs beyond a wall are longer echoes: walls "
           "at a slant reflect sound like mirrors."),
     Shown("glass_corridor", "The glass paper's first place: an L-shaped corridor with an acrylic "
@@ -56,6 +56,9 @@ SHOWN = (
           "The laser sees the posts and the room behind, the sonars the panes and posts."),
     Shown("flat", "A furnished flat with a glass balcony door, a glazed kitchen and a showcase.",
           "Laser points on the balcony and behind the kitchen's glass."),
+    Shown("flat_day", "The demo's world: that flat with people in it, goals, and a robot with "
+          "every sensor.", "Three of the people step aside; the one in the living room looks at a "
+          "telephone.", "drive", 6.0),
     Shown("office", "An office floor with glass fronts and corridors in a loop, 25 x 18 m, for "
           "long drives.", "Meeting room and front offices are behind glass."),
     Shown("generated:7:0.3", "Floors drawn by seed, `generated:SEED:GLASS_SHARE`, for statistics "

@@ -71,6 +71,12 @@ class Processes:
         """Return the exit code of a child, None while it runs."""
         return self._children[name].process.poll()
 
+    @property
+    def pids(self) -> dict[str, int]:
+        """Process ids of the children that run, by name."""
+        running = {n: c.process for n, c in self._children.items() if c.process.poll() is None}
+        return {name: process.pid for name, process in running.items()}
+
     def check(self, may_end: Sequence[str] = ()) -> None:
         """Look after all children.
 

@@ -1,10 +1,12 @@
-"""Drive robots through a simulated world, every node a process of its own; map it or picture it.
+"""Drive robots through a simulated world, every node a process of its own, over DDS.
 
-sim_bridge simulates, grid_mapper maps, route_follower steers by the mapper's pose (never by
-ground truth), record.py writes the bag; all talk over DDS in a domain of this run's own.
+In a world with goals (`flat_day`, taken if none is named) the whole graph of nodes that the robot's
+sensors ask for maps, localizes, plans and drives to them among people; the same goals are then
+driven offline as most robots do today, and the page sets the two side by side.
 
-That is for worlds with a route for one robot with a laser. In every other world the robots are
-driven by a script, and the page shows the world from above and what each sensor gave.
+In a world with a route for one robot with a laser, grid_mapper maps and route_follower steers by
+its pose. In every other world the robots are driven by a script, and the page shows the world from
+above and what each sensor gave. Nothing but the judge knows the ground truth.
 """
 
 from __future__ import annotations
@@ -42,6 +44,12 @@ _KEYS = (
     "occupied_cells", "touched", "bag",
 )  # fmt: skip
 _MAX_FACTOR = 1000.0  # what sim_bridge takes
+_DAY_FACTOR, _FACTOR = 1.0, 3.0
+_DAY_KEYS = (
+    "world", "goals", "reached", "collisions", "glass_touched", "stops_over_5s", "stopped_s",
+    "time_s", "path_m", "touched", "sim_s", "rtf", "glass_recall", "pose_error_m",
+    "inputs_handled", "latency_ms", "load", "baseline", "bag",
+)  # fmt: skip
 _TOUR_KEYS = ("world", "sim_s", "rtf", "robots", "people", "bag")
 
 
@@ -66,10 +74,9 @@ def main() -> int:
         print(f"error: {obstacle}", file=sys.stderr)
         return 1
     out = open_out_dir("demo", world.name, args.out)
-    is_mapped = _is_mapped(world)
-    values: dict[str, Any] = dict.fromkeys(_KEYS if is_mapped else _TOUR_KEYS)
+    demo, keys = _make(world, args, out, has_window)
+    values: dict[str, Any] = dict.fromkeys(keys)
     values["world"] = world.name
-    demo = _make(world, args, out, has_window, is_mapped=is_mapped)
     with summary(out, command="demo", seed=args.seed, values=values) as filled:
         try:
             demo.run()
@@ -95,29 +102,35 @@ def _require_drivable(world: World) -> None:
     check_world(world)
 
 
-def _is_mapped(world: World) -> bool:
-    """Tell whether a world has a route for one robot with a laser."""
-    if world.route is None or len(world.robots) != 1:
-        return False
-    return load_robot(world.robots[0]).config.laser is not None
-
-
 def _make(
-    world: World, args: argparse.Namespace, out: Path, has_window: bool, *, is_mapped: bool
-) -> Any:
-    if is_mapped:
+    world: World, args: argparse.Namespace, out: Path, has_window: bool
+) -> tuple[Any, tuple[str, ...]]:
+    """Return what runs in a world, and its keys of the summary."""
+    has_one_laser = len(world.robots) == 1 and load_robot(world.robots[0]).config.laser is not None
+    if world.goals is not None and has_one_laser:
+        args.rtf = _DAY_FACTOR if args.rtf is None else args.rtf
+        from _day_run import Day
+
+        return Day(world, args, out, has_window), _DAY_KEYS
+    args.rtf = _FACTOR if args.rtf is None else args.rtf
+    if world.route is not None and has_one_laser:
         from _demo_run import Demo
 
-        return Demo(world, args, out, has_window)
+        return Demo(world, args, out, has_window), _KEYS
     from _demo_tour import Tour
 
-    return Tour(world, args, out, has_window)
+    return Tour(world, args, out, has_window), _TOUR_KEYS
 
 
 def _print_result(out: Path, values: dict[str, Any], problem: str, *, is_quiet: bool) -> None:
     if problem:
         print(f"demo failed: {problem}", file=sys.stderr)
-    if "ate_m" not in values:
+    if "goals" in values:
+        from _day_report import last_lines
+
+        for line in last_lines(values):
+            say(line, is_quiet=is_quiet)
+    elif "ate_m" not in values:
         from _tour_report import touched_text
 
         num, people = len(values["robots"]), ""
@@ -152,16 +165,23 @@ def _has_window(args: argparse.Namespace) -> bool:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     text = f"name of a world ({', '.join(world_names())}) or path of a world file"
-    parser.add_argument("world", nargs="?", default="furnished_floor", metavar="WORLD", help=text)
+    parser.add_argument("world", nargs="?", default="flat_day", metavar="WORLD", help=text)
     window = parser.add_mutually_exclusive_group()
     window.add_argument("--headless", action="store_true", help="no window (default: no display)")
     window.add_argument("--view", action="store_true", help="show pybullet's window")
     text = "a figure that the world file names, such as start_distance_m=4.7; may be repeated"
     parser.add_argument("--set", action="append", metavar="NAME=VALUE", default=[], help=text)
-    text = "stop after so many simulated seconds (default: at the end of the route, else 20)"
+    text = (
+        "stop after so many simulated seconds (default: at the last goal, the route's end, or 20)"
+    )
     parser.add_argument("--duration", type=_positive, metavar="S", default=None, help=text)
-    text = "simulated seconds in a second (default: 3; 0 = as fast as it goes)"
-    parser.add_argument("--rtf", type=_factor, default=3.0, metavar="F", help=text)
+    text = (
+        f"simulated seconds in a second (default: {_DAY_FACTOR:g} with goals, else {_FACTOR:g}; "
+        "0 = as fast as it goes)"
+    )
+    parser.add_argument("--rtf", type=_factor, default=None, metavar="F", help=text)
+    text = "record camera images too, with goals"
+    parser.add_argument("--images", action="store_true", help=text)
     add_common_options(parser)
     return parser
 

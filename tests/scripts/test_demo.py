@@ -41,7 +41,8 @@ def _run(*words: str) -> tuple[int, str]:
 
 
 def test_a_short_run_leaves_all_its_results(tmp_path: Path) -> None:
-    code, text = _run("--duration", "10", "--seed", "3", "--out", str(tmp_path / "out"))
+    words = ("furnished_floor", "--duration", "10", "--seed", "3", "--out", str(tmp_path / "out"))
+    code, text = _run(*words)
     assert code == 0, text
     out = tmp_path / "out"
     summary = json.loads((out / "summary.json").read_text())
@@ -67,7 +68,7 @@ def test_an_unknown_world_is_one_line_that_names_those_there_are() -> None:
 
 def test_ctrl_c_ends_all_children_and_marks_the_results_partial(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    process = _start("--out", str(out))
+    process = _start("furnished_floor", "--out", str(out))
     log = out / "logs" / "sim_bridge.log"
     end = time.monotonic() + TIMEOUT_S
     while not (log.exists() and "ready" in log.read_text()):

@@ -12,8 +12,9 @@ import numpy as np
 
 from sim_bridge.furnishing import Room, furnish
 from sim_bridge.glass import Frame, Glass
+from sim_bridge.places import Route
 from sim_bridge.schema import WorldError
-from sim_bridge.world import Furniture, Point, RobotPlacement, Route, Wall, World
+from sim_bridge.world import Furniture, Point, RobotPlacement, Wall, World
 
 OUTER_WALLS = 4  # the first of a generated world's walls
 _DOOR_M = 1.2

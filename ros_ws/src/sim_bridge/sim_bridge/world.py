@@ -21,6 +21,8 @@ from sim_bridge.glass import Frame, Glass
 from sim_bridge.measures import Measure
 from sim_bridge.people.config import PeopleConfig
 from sim_bridge.people.schema import Crowd, Recording, WalkerPlan
+from sim_bridge.places import Goals
+from sim_bridge.places import Route as Route
 from sim_bridge.schema import WorldError, build, filled_in, load_yaml
 from sim_bridge.surfaces import require_looks
 
@@ -167,17 +169,6 @@ class RobotPlacement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Route:
-    """Waypoints in the world that the demo drives through, and how fast."""
-
-    waypoints_m: tuple[Point, ...]
-    speed_m_s: float = 0.8
-
-    def __post_init__(self) -> None:
-        _require_positive(speed_m_s=self.speed_m_s, waypoints_m=len(self.waypoints_m))
-
-
-@dataclass(frozen=True, kw_only=True)
 class World:
     """Everything a simulation is built from."""
 
@@ -194,6 +185,7 @@ class World:
     ceiling_m: float | None = None
     robots: tuple[RobotPlacement, ...] = ()
     route: Route | None = None
+    goals: Goals | None = None
     measures: tuple[Measure, ...] = ()
     people: tuple[WalkerPlan, ...] = ()
     crowd: Crowd | None = None

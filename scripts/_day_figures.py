@@ -1,0 +1,121 @@
+"""The figures of a demo with goals: its own keys of `summary.json`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from _day_heard import Track, due_stamps, inputs_handled, pose_errors
+from _day_load import LoadMeter
+from _day_watch import DayWatch
+from _demo_report import OCCUPIED, in_world
+from experiments.glass_truth import distance_to_segments, outlines, pane_lines, samples
+from experiments.goal_drives import GoalDrive
+from experiments.goal_judge import Surroundings, judge
+from floornav_common.grid import OccupancyMap
+from floornav_common.se2 import SE2
+from sim_bridge.robot_model import RobotModel
+from sim_bridge.solids import Solid, solids_of
+from sim_bridge.world import World
+
+NEAR_GLASS_M = 1.5
+_FOUND_M, _APART_M = 0.10, 0.10
+LOCALIZERS = {"grid_mapper": True, "stereo_localizer": False}
+"""Whether a localizer's map is the robot's own, which begins at the start pose."""
+
+
+def day_figures(
+    world: World,
+    model: RobotModel,
+    watch: DayWatch,
+    usual: GoalDrive | None,
+    loads: LoadMeter,
+    wall_s: float,
+) -> dict[str, Any]:
+    """Return all figures; a localizer, node or run that is not there is null."""
+    heard, start = watch.heard, world.robots[0].pose
+    around, record = surroundings(world, model), watch.heard.record
+    tracks = localizer_tracks(watch, start)
+    return {
+        **judge(record, around),
+        "sim_s": round(record.sim_s, 3),
+        "rtf": record.sim_s / wall_s if wall_s else None,
+        "glass_recall": glass_recall(heard.grid, start, around.solids, record.way[:, 1:3]),
+        "pose_error_m": {name: pose_errors(track, record.truth) for name, track in tracks.items()},
+        "inputs_handled": inputs_handled(*_inputs(model, watch)),
+        "latency_ms": watch.latencies.figures(),
+        "load": {
+            name: {"cpu_share": load.cpu_s / wall_s if wall_s else None, "rss_mb": load.rss_mb}
+            for name, load in sorted(loads.loads.items())
+        },
+        "baseline": None if usual is None else _baseline(usual, around, start),
+    }  # fmt: skip
+
+
+def surroundings(world: World, model: RobotModel) -> Surroundings:
+    """Return what drives in a world are judged by."""
+    outline = np.array(model.config.footprint_m)
+    return Surroundings(outline, solids_of(world), world.people_model.torso_radius_m)
+
+
+def localizer_tracks(watch: DayWatch, start: SE2) -> dict[str, Track]:
+    """Return the poses of every localizer, and of odometry alone, in the world."""
+    poses = watch.heard.poses
+    found = {
+        name: in_world(poses[name], start) if is_own else poses[name]
+        for name, is_own in LOCALIZERS.items()
+        if name in poses
+    }
+    return {**found, "odometry": in_world(watch.heard.odometry, start)}
+
+
+def glass_recall(
+    grid: OccupancyMap | None, start: SE2, solids: list[Solid], way: np.ndarray
+) -> float | None:
+    """Return the share of the glass near the way that is occupied in a map; None without any.
+
+    Glass is taken every 5 cm. It counts where the robot's middle came within 1.5 m of it and
+    nothing opaque stands within 10 cm; it is found if an occupied cell lies within 10 cm.
+    """
+    panes = pane_lines([solid for solid in solids if solid.glass is not None])
+    points = samples(panes)
+    if grid is None or not len(points) or len(way) < 2:
+        return None
+    opaque = outlines([solid for solid in solids if solid.glass is None])
+    thin = way[:: max(1, len(way) // 2000)]
+    near = distance_to_segments(points, np.hstack((thin[:-1], thin[1:]))) <= NEAR_GLASS_M
+    judged = points[near & (distance_to_segments(points, opaque) > _APART_M)]
+    occupied = start @ grid.to_points(np.argwhere(grid.cells >= OCCUPIED))
+    if not len(judged):
+        return None
+    if not len(occupied):
+        return 0.0
+    gaps = np.array([np.hypot(*(occupied - point).T).min() for point in judged])
+    return float((gaps <= _FOUND_M).mean())
+
+
+def _inputs(
+    model: RobotModel, watch: DayWatch
+) -> tuple[dict[str, set[int]], dict[str, set[int]], float | None]:
+    """Return stamps heard, stamps due, and the share of goals with a way."""
+    last_ns = round(watch.heard.record.sim_s * 1e9) - 500_000_000  # the last may be under way
+    config, due = model.config, {}
+    assert config.laser is not None
+    due["scan"] = due_stamps(config.laser.period_s, 0, last_ns)
+    if config.omni is not None:
+        due["omni"] = due_stamps(config.omni.period_s, 0, last_ns)
+    for pair in () if config.stereo is None else config.stereo.pairs:
+        due[pair] = due_stamps(config.stereo.period_s, 0, last_ns)
+    num_sent = min(watch.goals.number + 1, watch.heard.record.num_goals)
+    ways = watch.goals.num_with_way / num_sent if num_sent > 0 else None
+    return dict(watch.latencies.stamps), due, ways
+
+
+def _baseline(usual: GoalDrive, around: Surroundings, start: SE2) -> dict[str, Any]:
+    record = usual.record
+    return {
+        **judge(record, around),
+        "glass_recall": glass_recall(usual.grid, start, list(around.solids), record.way[:, 1:3]),
+        "pose_error_m": {"laser": pose_errors(in_world(usual.poses, start), record.truth)},
+    }
