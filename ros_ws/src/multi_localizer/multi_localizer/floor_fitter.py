@@ -12,6 +12,7 @@ region seen whole); few pieces of border are fitted from the likeliest places, a
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -192,8 +193,8 @@ class FloorShapeFitter:
         if is_clear and len(good) > 1:
             good = self._alike(good)
         best = good[0][0]
-        mates = [(placed(s, f.fit.candidates[0]), cost) for f, cost in good
-                 for s in self.plan.symmetries]  # fmt: skip
+        turns = self.plan.symmetries[1:]  # the first is none
+        mates = [(mate, cost) for f, cost in good for mate in _mates(f.fit.candidates[0], turns)]
         candidates, costs = zip(*mates, strict=True)
         costs = tuple(map(float, costs))
         return replace(best.fit, candidates=candidates, costs=costs), best.behind
@@ -236,6 +237,10 @@ def _follows(found: np.ndarray, guess: np.ndarray) -> bool:
     x, y, yaw = difference(SE2(*found[:3].tolist()), SE2(*guess.tolist()))
     is_near = math.hypot(x, y) < FOLLOWED[0] and abs(yaw) < FOLLOWED[1]
     return bool(is_near and found[4] < SURE_COST)
+
+
+def _mates(estimate: PoseEstimate, turns: Sequence[SE2]) -> list[PoseEstimate]:
+    return [estimate, *(placed(turn, estimate) for turn in turns)]
 
 
 def _none(problem: str, num: int = 0, hidden: float = 1.0, rms: float = math.nan) -> FloorFit:

@@ -5,6 +5,7 @@ Errors are `(x, y, yaw)` of the estimate less the truth, in the axes of the map,
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,15 +27,23 @@ class PoseEstimate:
 
     def __post_init__(self) -> None:
         cov = np.array(self.cov, dtype=float)
-        if cov.shape != (3, 3) or not np.isfinite(cov).all():
-            raise ValueError(f"cov must be (3, 3) and finite, got {cov.tolist()}")
-        if (abs(cov - cov.T) > 1e-6 * abs(cov) + 1e-12).any():
-            raise ValueError(f"cov must be symmetric, got {cov.tolist()}")
+        must = _what_it_must_be(cov.tolist()) if cov.shape == (3, 3) else "(3, 3)"
+        if must:
+            raise ValueError(f"cov must be {must}, got {cov.tolist()}")
         cov = 0.5 * (cov + cov.T)
-        if not _is_positive(*cov.tolist()):
-            raise ValueError(f"cov must be positive definite, got {cov.tolist()}")
         cov.flags.writeable = False
         object.__setattr__(self, "cov", cov)
+
+
+def _what_it_must_be(rows: list[list[float]]) -> str:
+    """Return what a covariance of three rows is not, though it must be; "" if nothing."""
+    if not all(math.isfinite(value) for row in rows for value in row):
+        return "finite"
+    for k, n in ((0, 1), (0, 2), (1, 2)):
+        one, other = rows[k][n], rows[n][k]
+        if abs(one - other) > 1e-6 * min(abs(one), abs(other)) + 1e-12:
+            return "symmetric"
+    return "" if _is_positive(*rows) else "positive definite"
 
 
 def _is_positive(first: list[float], second: list[float], third: list[float]) -> bool:
