@@ -26,6 +26,8 @@ from floornav_common.reporting import (  # noqa: E402
 EXPERIMENTS = {
     "laser-drives": "drift on simulated drives: full rate, key scans, slip, a bare corridor",
     "loop-drives": "laps round a simulated corridor before and after closing loops; false loops",
+    "slam": "office floors with glass, loops and people before and after closing loops",
+    "relocalization": "a lost robot in a map made before: found, how soon, false claims",
     "sensor-models": "simulated sensors beside what their settings promise",
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",
     "free-space-odometry": "kiss-icp on free space that a camera saw, along a driven route: drift",
@@ -34,6 +36,7 @@ EXPERIMENTS = {
     "velocity-avoidance": "driving round cubes with and without regard to velocity, seen by mirror",
     "sjmc-thesis": "chapter 5 of the SJMC thesis: things and people in the way, beside VFH+",
     "glass-map": "the glass paper's two places and drawn floors with glass, mapped by each method",
+    "glass-drives": "driving on a map made on the way among glass: laser and sonars, laser only",
     "landmark-localization": "a robot alone by goal posts: methods 1 and 2 of the team paper",
     "live-team": "four simulated robots see each other, each with its own nodes: errors live",
     "team-localization": "the team paper: 4 robots, then 3 to 50, beside robots alone and bounds",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from floornav_common.config import param, validate
 from sjmc_planner.follow_config import FollowConfig
 from sjmc_planner.histogram_config import HistogramConfig
+from sjmc_planner.known_config import KnownConfig
 from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.tracking_config import TrackingConfig
 
@@ -135,6 +136,7 @@ class LocalPlannerConfig:
     robot: RobotConfig = RobotConfig()
     omni: OmniConfig = OmniConfig()
     histogram: HistogramConfig = HistogramConfig()
+    known: KnownConfig = KnownConfig()
     follow: FollowConfig = FollowConfig()
     sjmc: SjmcConfig = SjmcConfig()
     tracking: TrackingConfig = TrackingConfig()

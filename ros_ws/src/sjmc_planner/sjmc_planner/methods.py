@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from sjmc_planner.config import LocalPlannerConfig
+from sjmc_planner.known_obstacles import OnMergedScan
 from sjmc_planner.omni_velocity import Cycle, OmniStatic, OmniVelocity
 from sjmc_planner.planning import Method
 from sjmc_planner.sjmc import Sjmc
@@ -15,8 +16,9 @@ from sjmc_planner.vfh_plus import VfhPlus
 
 
 def make_method(config: LocalPlannerConfig) -> Method:
-    """Return the method that a configuration names."""
-    return METHODS[config.method](config)
+    """Return the method that a configuration names, minding what is known beside the scan."""
+    method = METHODS[config.method](config)
+    return method if isinstance(method, Sjmc) else OnMergedScan(method)
 
 
 def _cycle(config: LocalPlannerConfig) -> Cycle:

@@ -65,10 +65,13 @@ class Obstacles:
         scan: Ranges in the sensor's frame. `+inf` is free to `range_max` and unknown beyond,
             `-inf` is blocked at `range_min`, NaN was not seen.
         T_base_sensor: The sensor seen from where the robot is now.
+        known: Points of obstacles known beside the scan, such as glass, in the base frame, no
+            farther apart than 0.05 m where there is no gap, shape (K, 2), m.
     """
 
     scan: Scan
     T_base_sensor: SE2
+    known: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 @dataclass(frozen=True)

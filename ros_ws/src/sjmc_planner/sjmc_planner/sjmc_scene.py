@@ -16,6 +16,7 @@ import numpy as np
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sjmc_planner.beam_ends import BeamEnds, BeamReader
+from sjmc_planner.known_obstacles import hides
 from sjmc_planner.obstacle_state import Tracks
 from sjmc_planner.people_tracker import PeopleTracker
 from sjmc_planner.planning import Obstacles, RobotState
@@ -27,6 +28,7 @@ _KEEP_S = 3.0
 _MOVES = 0.5  # probability
 _STANDS = 0.15  # m/s
 _NARROWS = 0.05  # m/s: how fast what was wide counts as narrower once it looks it
+_PANE = 0.25  # who is seen this near to a pane, or through it, is no person in the way, m
 _EDGE = 0.15  # beams that end this near to a person's disk are the person's, m
 
 
@@ -36,7 +38,7 @@ class Scene:
 
     Attributes:
         ends: Where the beams end.
-        things: What stands, shape (M, 2), m.
+        things: What stands, what is known beside the scan too, shape (M, 2), m.
         solids: The same and what is seen of people who stand, shape (K, 2), m.
         people: Rows x, y, vx, vy, radius, shape (N, 5).
         number: Of each person, shape (N,), int.
@@ -77,7 +79,9 @@ class SceneReader:
         tracks = self._tracker.update(obstacles, state.moved, self._period)
         tracks = self._with_beams(tracks, obstacles.scan)
         ends = self._reader.read(obstacles)
+        known = obstacles.known
         is_person = self._people(tracks, ends)
+        is_person &= ~hides(np.array(ends.pose[:2]), tracks.position, known, _PANE)
         speed = np.hypot(tracks.velocity[:, 0], tracks.velocity[:, 1])
         moves = (tracks.is_moving > _MOVES) & (speed > _STANDS)
         rows = np.column_stack((tracks.position, tracks.velocity, tracks.radius))
@@ -87,8 +91,8 @@ class SceneReader:
         things, solids = _things(*args, ends.pose, _BINS)
         rear = self._remember(state.moved, solids, ends, disks, moves)
         return Scene(
-            ends, np.concatenate((things, rear)), np.concatenate((solids, rear)), rows[is_person],
-            tracks.number[is_person], moves[is_person],
+            ends, np.concatenate((things, rear, known)), np.concatenate((solids, rear, known)),
+            rows[is_person], tracks.number[is_person], moves[is_person],
         )  # fmt: skip
 
     def _with_beams(self, tracks: Tracks, scan: Scan) -> Tracks:

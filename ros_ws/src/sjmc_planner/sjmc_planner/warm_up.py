@@ -25,7 +25,8 @@ def compile_kernels() -> None:
             config = replace(default, method=name, robot=replace(default.robot, drive=drive))
             for sensor in (SE2.identity(), SE2(0.1, 0.0, 0.0)):
                 make_method(config).decide(
-                    RobotState(Velocity(0.1, 0.0, 0.0)), Obstacles(scan, sensor),
+                    RobotState(Velocity(0.1, 0.0, 0.0)),
+                    Obstacles(scan, sensor, known=np.array([[0.9, 0.0]])),
                     Goal(np.array([2.0, 0.0]), 2.0), has_debug=True,
                 )  # fmt: skip
 

@@ -2,7 +2,8 @@
 
 In: `scan` (LaserScan; remap it to `floor/free_space` for a floor camera), `odom` (Odometry: its
 twist), `path` (Path), `goal_pose` (PoseStamped) or the action `follow_path` (nav2_msgs/FollowPath),
-TF goal frame->base_link->sensor.
+TF goal frame->base_link->sensors. Where they are, `map/glass` (OccupancyGrid) and `sonar` (Range;
+`known.sonar_topics`): glass, which a laser does not see.
 Out: `cmd_vel` (Twist; TwistStamped with enable_stamped_cmd_vel), `planner/state`
 (DiagnosticStatus), `planner/markers` (MarkerArray).
 Services: `~/enable` (SetBool: false stops the robot until true).
@@ -24,7 +25,8 @@ from sjmc_planner.limited_motion import moved_by
 from sjmc_planner.methods import make_method
 from sjmc_planner.nodes.command_port import CommandPort
 from sjmc_planner.nodes.goal_port import GoalPort
-from sjmc_planner.nodes.planner_inputs import InputMissing, PlannerInputs
+from sjmc_planner.nodes.input_missing import InputMissing
+from sjmc_planner.nodes.planner_inputs import PlannerInputs
 from sjmc_planner.nodes.planner_report import STOPPED, PlannerReport
 from sjmc_planner.planning import REACHED, RobotState
 from sjmc_planner.warm_up import compile_kernels
@@ -84,10 +86,12 @@ class LocalPlannerNode(FloornavNode):
         Raises:
             InputMissing: If the robot does not know enough to move.
         """
-        velocity = self._inputs.velocity()
-        obstacles = self._inputs.obstacles(velocity)
+        velocity, now_ns = self._inputs.velocity(), self.time.read_ns()
+        dt = self._since_last(now_ns)
+        moved = moved_by(velocity, dt)
         goal = self._goals.target.goal(self._inputs.pose(self._goals.frame, velocity))
-        moved = moved_by(velocity, self._since_last())
+        obstacles = self._inputs.obstacles(velocity, moved, dt)
+        self._decided_ns = now_ns
         decision = self._method.decide(
             RobotState(velocity, self._commands.last, moved), obstacles, goal,
             has_debug=self._report.wants_markers,
@@ -108,12 +112,12 @@ class LocalPlannerNode(FloornavNode):
         self._report.set(state, reason, left)
         self._goals.note(state, reason, left, moved, speed)
 
-    def _since_last(self) -> float:
+    def _since_last(self, now_ns: int) -> float:
         """Return the time since the last decision, s; after a pause or a jump it starts anew."""
-        now_ns, last_ns = self.time.read_ns(), self._decided_ns
-        self._decided_ns = now_ns
+        last_ns = self._decided_ns
         if last_ns is None or not 0 <= now_ns - last_ns <= _PAUSE_NS:
             self._method = make_method(self._config)
+            self._inputs.known.forget()
             return 0.0
         return (now_ns - last_ns) * 1e-9
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from nav_msgs.msg import Odometry
@@ -16,15 +17,13 @@ from floornav_common.se2 import SE2
 from floornav_common.transform_errors import TransformUnavailable
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.limited_motion import moved_by, seen_from
+from sjmc_planner.nodes.input_missing import InputMissing
+from sjmc_planner.nodes.known_inputs import KnownInputs
 from sjmc_planner.planning import Obstacles, Velocity
 from sjmc_planner.ros_conversions import velocity_from_msg
 from sjmc_planner.scan_mount import mounted
 
 _ANOTHER_CLOCK_S = 1e8  # three years
-
-
-class InputMissing(Exception):  # noqa: N818, the base says what it means
-    """Something is not there, is too old or is not usable: the robot must not move."""
 
 
 class PlannerInputs:
@@ -33,6 +32,9 @@ class PlannerInputs:
     Args:
         node: The node.
         config: Time limits.
+
+    Attributes:
+        known: What is known beside the scan.
     """
 
     def __init__(self, node: FloornavNode, config: LocalPlannerConfig) -> None:
@@ -44,12 +46,14 @@ class PlannerInputs:
         odometry = create_subscription(node, Odometry, "odom", self._on_odom, SENSOR_QOS)
         self._scans = Watchdog(node, scans.topic_name, config.scan_timeout_s)
         self._odometry = Watchdog(node, odometry.topic_name, config.odom_timeout_s)
+        self.known = KnownInputs(node, config)
 
     def set_config(self, config: LocalPlannerConfig) -> None:
         """Take other time limits."""
         self._config = config
         self._scans.set_timeout(config.scan_timeout_s)
         self._odometry.set_timeout(config.odom_timeout_s)
+        self.known.set_config(config)
 
     def velocity(self) -> Velocity:
         """Return the measured velocity.
@@ -67,11 +71,12 @@ class PlannerInputs:
             raise InputMissing(f"{self._odometry.topic}: child_frame_id: {error}") from error
         return seen_from(velocity, T_base_child.to_se2())
 
-    def obstacles(self, velocity: Velocity) -> Obstacles:
-        """Return the newest scan, seen from where the robot is now.
+    def obstacles(self, velocity: Velocity, moved: SE2, dt: float) -> Obstacles:
+        """Return the newest scan, seen from where the robot is now, and what is known beside it.
 
         Raises:
-            InputMissing: If it is not fresh, not usable, or its sensor's place is not known.
+            InputMissing: If it is not fresh, not usable, or its sensor's place is not known; or as
+                `KnownInputs.beside`.
         """
         self._require(self._scans, self._bad_scan)
         assert self._scan is not None
@@ -82,7 +87,8 @@ class PlannerInputs:
         except (TransformUnavailable, ValueError) as error:
             raise InputMissing(f"{self._scans.topic}: {error}") from error
         age = self._check_age(self._scans, stamp_ns, self._config.scan_timeout_s)
-        return Obstacles(scan=seen.scan, T_base_sensor=_back(velocity, age) @ seen.T_base_sensor)
+        seen = Obstacles(seen.scan, _back(velocity, age) @ seen.T_base_sensor)
+        return replace(seen, known=self.known.beside(seen, moved, dt, self.pose, velocity))
 
     def pose(self, frame: str, velocity: Velocity) -> SE2:
         """Return the robot's pose in a frame, carried forward from the newest known.

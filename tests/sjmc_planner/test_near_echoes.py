@@ -1,0 +1,110 @@
+"""Echoes from close by: which are explained, which are sure, how long they count."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from floornav_common.readings import RangeReading
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from sjmc_planner.known_config import KnownConfig
+from sjmc_planner.near_echoes import NearEchoes, unexplained_arc
+from sjmc_planner.planning import Obstacles
+
+HERE = SE2(0.0, 0.0, 0.0)
+OPENING = 0.35
+NUM = 360
+DT = 0.1
+
+
+def echo(r: float, *, opening: float = OPENING) -> RangeReading:
+    return RangeReading(r, opening, 0.15, 5.0)
+
+
+def seen(r: float = np.inf, bearing: float = 0.0, width: float = 0.1) -> Obstacles:
+    """Return a scan that shows something at one bearing."""
+    step = 2.0 * np.pi / NUM
+    ranges = np.full(NUM, np.inf)
+    ranges[np.abs(-np.pi + step * np.arange(NUM) - bearing) <= width / 2.0] = r
+    return Obstacles(Scan(ranges, -np.pi, step, 0.1, 8.0), HERE)
+
+
+def test_an_arc_is_as_wide_as_the_cone_at_the_echos_range() -> None:
+    mount = SE2(0.2, 0.1, np.pi / 2.0)
+    arc = unexplained_arc(echo(1.0), mount, np.zeros((0, 2)))
+    off = arc - [0.2, 0.1]
+    assert np.hypot(*off.T) == pytest.approx(1.0)
+    bearings = np.arctan2(off[:, 1], off[:, 0]) - np.pi / 2.0
+    assert bearings.min() == pytest.approx(-OPENING / 2.0)
+    assert bearings.max() == pytest.approx(OPENING / 2.0)
+    assert np.hypot(*np.diff(arc, axis=0).T).max() <= 0.05
+
+
+def test_an_opening_that_is_not_said_is_twenty_degrees() -> None:
+    arc = unexplained_arc(echo(1.0, opening=0.0), HERE, np.zeros((0, 2)))
+    assert np.arctan2(arc[-1, 1], arc[-1, 0]) == pytest.approx(np.deg2rad(10.0))
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "explains"),
+    [(1.05, 0.0, True), (1.0, 0.2, True), (1.3, 0.0, False), (0.7, 0.0, False), (0.9, 0.5, False)],
+)
+def test_what_the_scan_shows_there_explains_an_echo(x: float, y: float, explains: bool) -> None:
+    assert (len(unexplained_arc(echo(1.0), HERE, np.array([[x, y]]))) == 0) == explains
+
+
+def test_one_echo_is_not_sure_and_a_second_from_there_makes_both_so() -> None:
+    echoes = NearEchoes(KnownConfig())
+    assert len(echoes.update([(echo(0.8), HERE)], seen(), HERE, DT)) == 0
+    found = echoes.update([(echo(0.82), HERE)], seen(), HERE, DT)
+    assert np.hypot(*found.T).min() == pytest.approx(0.8)
+    assert np.hypot(*found.T).max() == pytest.approx(0.82)
+
+
+def test_echoes_of_different_places_do_not_agree() -> None:
+    echoes = NearEchoes(KnownConfig())
+    echoes.update([(echo(0.8), HERE)], seen(), HERE, DT)
+    assert len(echoes.update([(echo(1.1), HERE)], seen(), HERE, DT)) == 0
+    assert len(echoes.update([(echo(0.8), SE2(0.0, 0.0, 1.5))], seen(), HERE, DT)) == 0
+
+
+def test_an_approach_keeps_a_pane_in_its_place() -> None:
+    """At 0.6 m/s towards a pane at 1.1 m: each echo is nearer, the pane stays where it is."""
+    echoes, step = NearEchoes(KnownConfig()), SE2(0.06, 0.0, 0.0)
+    for k in range(8):
+        found = echoes.update([(echo(1.1 - 0.06 * k), HERE)], seen(), step if k else HERE, DT)
+        if k:
+            ahead = found[np.abs(found[:, 1]) < 0.02]
+            assert ahead[:, 0] == pytest.approx(1.1 - 0.06 * k, abs=0.01)
+
+
+def test_echoes_are_forgotten_after_their_time() -> None:
+    echoes = NearEchoes(KnownConfig(echo_hold_s=1.0))
+    echoes.update([(echo(0.8), HERE), (echo(0.8), HERE)], seen(), HERE, DT)
+    assert len(echoes.update([], seen(), HERE, 0.9)) > 0
+    assert len(echoes.update([], seen(), HERE, 0.2)) == 0
+
+
+@pytest.mark.parametrize("r", [np.nan, np.inf, -np.inf, 0.05, 1.5, 5.0])
+def test_what_is_no_echo_from_close_by_is_nothing(r: float) -> None:
+    echoes = NearEchoes(KnownConfig())
+    for _ in range(3):
+        assert len(echoes.update([(echo(r), HERE)], seen(), HERE, DT)) == 0
+
+
+def test_what_the_scan_shows_before_an_arc_leaves_only_the_rest_of_it() -> None:
+    echoes, before = NearEchoes(KnownConfig()), seen(0.4, bearing=0.15, width=0.1)
+    for _ in range(2):
+        found = echoes.update([(echo(1.0), HERE)], before, HERE, DT)
+    bearings = np.arctan2(found[:, 1], found[:, 0])
+    assert len(found) and not ((bearings > 0.11) & (bearings < 0.19)).any()
+
+
+def test_where_the_laser_does_not_look_an_echo_counts() -> None:
+    scan = seen().scan
+    scan.ranges[:45] = np.nan  # behind, on one side
+    echoes, back = NearEchoes(KnownConfig()), SE2(-0.3, 0.0, np.pi)
+    for _ in range(2):
+        found = echoes.update([(echo(0.5), back)], Obstacles(scan, HERE), HERE, DT)
+    assert len(found) > 2 and found[:, 0].min() == pytest.approx(-0.8, abs=0.001)
