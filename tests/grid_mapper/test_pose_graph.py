@@ -5,7 +5,14 @@ import pytest
 from loop_builders import LOOSE, SURE, largest_error, motion
 
 from floornav_common.se2 import SE2
-from grid_mapper.pose_graph import deviations, load_solver, solve
+from grid_mapper.pose_graph import (
+    QUICK_TOLERANCE,
+    GraphSolver,
+    deviations,
+    deviations_of,
+    load_solver,
+    solve,
+)
 
 KERNEL = 2.0
 TOL_M = 1e-4
@@ -78,6 +85,35 @@ def test_deviations_are_those_of_the_edge():
     edge = motion(0, 1, SE2(1.0, 0.0, 0.0), cov=LOOSE)
     assert deviations(edge, [SE2.identity(), SE2(1.1, 0.0, 0.0)]) == pytest.approx(2.0)
     assert deviations(edge, [SE2.identity(), SE2(1.0, 0.0, 0.04)]) == pytest.approx(2.0)
+
+
+def test_deviations_of_many_edges_are_those_of_each():
+    rng = np.random.default_rng(0)
+    poses = [SE2(*rng.normal(0.0, 2.0, 3)) for _ in range(12)]
+    edges = [motion(k, (5 * k + 1) % 12, SE2(*rng.normal(0.0, 2.0, 3))) for k in range(12)]
+    for edge, found in zip(edges, deviations_of(edges, poses), strict=True):
+        off = edge.T_first_second.between(poses[edge.first].between(poses[edge.second])).as_array()
+        assert found == pytest.approx(np.sqrt(off @ np.linalg.inv(LOOSE) @ off))
+    assert deviations_of([], poses).shape == (0,)
+
+
+def test_a_solver_that_has_solved_before_solves_as_a_new_one():
+    truth = square()
+    edges = drifting(chain(truth), 0.05)
+    loop = motion(0, 8, truth[0].between(truth[8]), is_loop=True, cov=SURE)
+    false = motion(2, 6, SE2(3.0, 0.0, 0.0), is_loop=True, cov=SURE)
+    solver = GraphSolver()
+    solver.solve(along(edges), [*edges, loop, false], KERNEL)
+    again = solver.solve(along(edges), [*edges, loop], KERNEL)
+    assert again == solve(along(edges), [*edges, loop], KERNEL)
+
+
+def test_a_quick_solution_is_near_the_final_one():
+    truth = square()
+    edges = drifting(chain(truth), 0.05)
+    loop = motion(0, 8, truth[0].between(truth[8]), is_loop=True, cov=SURE)
+    graph = along(edges), [*edges, loop], KERNEL
+    assert largest_error(GraphSolver().solve(*graph, QUICK_TOLERANCE), solve(*graph)) < 0.01
 
 
 def test_the_whole_graph_may_lie_anywhere():

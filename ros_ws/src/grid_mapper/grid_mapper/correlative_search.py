@@ -52,7 +52,7 @@ def find_peaks(
         return []
     query = np.ascontiguousarray(query[:: max(1, -(-len(query) // MAX_POINTS))])
     radius = float(np.quantile(np.hypot(query[:, 0], query[:, 1]), 0.8))
-    fine, corner = _field(reference)
+    fine, corner = score_field(reference)
     coarse = cv2.dilate(fine, np.ones((2 * (COARSE_CELLS // 2) + 1,) * 2, np.uint8))
     step = COARSE_CELLS * CELL_M
     turn_step = min(step / max(radius, 1.0), 0.1)
@@ -60,9 +60,11 @@ def find_peaks(
     if window[1] >= np.pi:
         turns = turns[:-1]
     shifts = _steps(window[0], step)
-    scores = _scores(coarse, corner, query, center.as_array(), turns, shifts)
+    scores = _scores(
+        coarse, corner, query, center.as_array(), turns, len(shifts) // 2, COARSE_CELLS
+    )
     starts = _starts(scores, center, turns, shifts, STARTS_A_PEAK * num)
-    refined = [_refined(fine, corner, query, pose, step, turn_step) for pose in starts]
+    refined = [refined_peak(fine, corner, query, pose, step, turn_step) for pose in starts]
     peaks: list[Peak] = []
     for peak in sorted(refined, key=lambda peak: -peak.score):
         off = np.abs(peak.pose.as_array()[:2] - center.as_array()[:2])
@@ -83,7 +85,7 @@ def _steps(reach: float, step: float) -> np.ndarray:
     return np.arange(-num, num + 1) * step
 
 
-def _field(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def score_field(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the score of each cell (uint8), 255 on a point, and the (x, y) of its corner."""
     corner = points.min(axis=0) - MARGIN_M
     cols, rows = (
@@ -112,7 +114,7 @@ def _starts(
     return starts
 
 
-def _refined(
+def refined_peak(
     field: np.ndarray, corner: np.ndarray, query: np.ndarray, pose: SE2, step: float, turn: float
 ) -> Peak:
     """Return the best pose round a coarse one, followed uphill as far as it goes."""
@@ -121,7 +123,7 @@ def _refined(
     middle = (len(turns) // 2, len(shifts) // 2, len(shifts) // 2)
     score = 0.0
     for _ in range(MAX_CLIMBS):
-        scores = _scores(field, corner, query, pose.as_array(), turns, shifts)
+        scores = _scores(field, corner, query, pose.as_array(), turns, middle[1], 1)
         k, r, c = (int(i) for i in np.unravel_index(int(np.argmax(scores)), scores.shape))
         score = float(scores[k, r, c]) / 255.0
         if (k, r, c) == middle:
@@ -131,22 +133,26 @@ def _refined(
 
 
 @numba.njit(cache=True)
-def _scores(field, corner, query, center, turns, shifts):  # type: ignore[no-untyped-def]
-    """Return the mean score of the points at every pose, shape (turns, y shifts, x shifts)."""
+def _scores(field, corner, query, center, turns, num, stride):  # type: ignore[no-untyped-def]
+    """Return the mean score of the points at every pose, shape (turns, y shifts, x shifts).
+
+    Shifts go from `-num` to `num` strides of so many cells.
+    """
     rows, cols = field.shape
-    scores = np.zeros((len(turns), len(shifts), len(shifts)), np.float32)
-    num = len(shifts)
+    size = 2 * num + 1
+    sums = np.zeros((len(turns), size, size), np.int32)
     for k in range(len(turns)):
         c, s = np.cos(center[2] + turns[k]), np.sin(center[2] + turns[k])
         for i in range(len(query)):
             x = c * query[i, 0] - s * query[i, 1] + center[0] - corner[0]
             y = s * query[i, 0] + c * query[i, 1] + center[1] - corner[1]
-            for r in range(num):
-                row = int(np.floor((y + shifts[r]) / CELL_M))
-                if row < 0 or row >= rows:
-                    continue
-                for q in range(num):
-                    col = int(np.floor((x + shifts[q]) / CELL_M))
-                    if 0 <= col < cols:
-                        scores[k, r, q] += field[row, col]
-    return scores / np.float32(len(query))
+            first_row = int(np.floor(y / CELL_M)) - num * stride
+            first_col = int(np.floor(x / CELL_M)) - num * stride
+            low = max(0, -(first_col // stride))
+            high = min(size, (cols - 1 - first_col) // stride + 1)
+            for r in range(size):
+                row = first_row + r * stride
+                if 0 <= row < rows:
+                    for q in range(low, high):
+                        sums[k, r, q] += field[row, first_col + q * stride]
+    return sums.astype(np.float32) / np.float32(len(query))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -55,6 +56,12 @@ class Edge:
     T_first_second: SE2
     cov: np.ndarray
     is_loop: bool
+
+    @cached_property
+    def row(self) -> np.ndarray:
+        """First, second, motion (x, y, yaw) and inverse covariance row by row, shape (14,)."""
+        ends = (self.first, self.second)
+        return np.concatenate((ends, self.T_first_second.as_array(), np.linalg.inv(self.cov).flat))
 
 
 def chain_edge(

@@ -39,14 +39,19 @@ class Candidate:
 
 
 def loop_candidates(
-    poses: Sequence[SE2], edges: Sequence[Edge], ways: np.ndarray, config: LoopConfig
-) -> list[Candidate]:
+    poses: Sequence[SE2], edges: Sequence[Edge], ways: np.ndarray, differences: np.ndarray,
+    config: LoopConfig,
+) -> list[Candidate]:  # fmt: skip
     """Return the places to compare with the newest node, the likeliest first.
+
+    Where the graph is sure of a place, nearness ranks it. Where it is not, looks do too, and what
+    looks too different is left out: there each comparison takes longest and holds least often.
 
     Args:
         poses: Of all nodes, as the graph has them; the newest is the last.
         edges: Of the graph.
         ways: Length driven up to each node, shape (N,), m.
+        differences: How different each node's place looks from the newest's, shape (N,), m.
         config: How far to look.
     """
     newest = len(poses) - 1
@@ -54,9 +59,12 @@ def loop_candidates(
     sigma_m, sigma_rad = _uncertainty(points, edges, newest)
     distance = np.hypot(*(points - points[newest]).T)
     reach = np.minimum(SIGMAS * sigma_m, config.max_search_m) + config.reach_m
+    is_sure = sigma_m <= config.sure_sigma_m
     is_near = (distance < reach) & (ways[newest] - ways > config.min_way_m)
-    nearest = _nearest_of_passes(is_near, distance)
-    nearest.sort(key=lambda k: float(distance[k] + sigma_m[k]))
+    is_near &= is_sure | (differences < config.max_difference_m)
+    unlikeness = distance + sigma_m + np.where(is_sure, 0.0, differences)
+    nearest = _nearest_of_passes(is_near, distance + np.where(is_sure, 0.0, differences))
+    nearest.sort(key=lambda k: float(unlikeness[k]))
     return [
         Candidate(newest, k, float(sigma_m[k]), float(sigma_rad[k]))
         for k in nearest[: config.max_candidates]

@@ -11,7 +11,13 @@ from grid_mapper.config import GridMapperConfig
 from grid_mapper.key_frames import Edge, KeyFrame, chain_edge
 from grid_mapper.loop_candidates import Candidate, loop_candidates, near_pairs
 from grid_mapper.loop_verification import agree, verify
-from grid_mapper.pose_graph import deviations, solve
+from grid_mapper.place_appearance import Appearances
+from grid_mapper.pose_graph import (
+    FINAL_TOLERANCE,
+    QUICK_TOLERANCE,
+    GraphSolver,
+    deviations_of,
+)
 
 MAX_DEVIATIONS = 5.0
 """A loop that the solved graph is further from is taken out again."""
@@ -42,6 +48,8 @@ class LoopCloser:
         self._pending: list[Edge] = []
         self._searched_way = -np.inf
         self._num_unsolved = 0
+        self._solver = GraphSolver()
+        self._looks = Appearances(config.loop.submap_nodes)
 
     @property
     def num_loops(self) -> int:
@@ -57,16 +65,18 @@ class LoopCloser:
         if self._ways[-1] - self._searched_way < loop.search_distance_m:
             return False
         self._searched_way = self._ways[-1]
-        candidates = loop_candidates(self.poses, self.edges, np.array(self._ways), loop)
+        candidates = loop_candidates(
+            self.poses, self.edges, np.array(self._ways), self._looks.differences(), loop
+        )
         found = [edge for candidate in candidates for edge in self._compare(candidate)]
         if not found:
             return False
         self.edges += found
         self._num_unsolved += len(found)
-        worst = max(deviations(edge, self.poses) for edge in found)
+        worst = float(deviations_of(found, self.poses).max())
         if worst < SOLVED_DEVIATIONS and self._num_unsolved < MAX_UNSOLVED:
             return False
-        self.solve()
+        self.solve(QUICK_TOLERANCE)
         return True
 
     def finish(self) -> None:
@@ -82,20 +92,17 @@ class LoopCloser:
         self.edges = kept + found
         self.solve()
 
-    def solve(self) -> None:
+    def solve(self, tolerance: float = FINAL_TOLERANCE) -> None:
         """Solve the graph; take out what does not fit, and solve again."""
         self._num_unsolved = 0
         kernel = self.config.loop.kernel
-        self.poses = solve(self.poses, self.edges, kernel)
-        kept = [
-            edge
-            for edge in self.edges
-            if not edge.is_loop or deviations(edge, self.poses) < MAX_DEVIATIONS
-        ]
+        self.poses = self._solver.solve(self.poses, self.edges, kernel, tolerance)
+        fits = deviations_of(self.edges, self.poses) < MAX_DEVIATIONS
+        kept = [e for e, fit in zip(self.edges, fits, strict=True) if fit or not e.is_loop]
         if len(kept) < len(self.edges):
             self.refused["does not fit the graph"] += len(self.edges) - len(kept)
             self.edges = kept
-            self.poses = solve(self.poses, self.edges, kernel)
+            self.poses = self._solver.solve(self.poses, self.edges, kernel, tolerance)
 
     def _append(self, frame: KeyFrame) -> None:
         if not self.frames:
@@ -110,6 +117,7 @@ class LoopCloser:
             self.poses.append(self.poses[-1] @ edge.T_first_second)
             self._ways.append(self._ways[-1] + edge.T_first_second.distance)
         self.frames.append(frame)
+        self._looks.add(frame.points.points)
 
     def _compare(self, candidate: Candidate) -> list[Edge]:
         """Return the loops that this candidate brings: none, itself, or itself and one before."""

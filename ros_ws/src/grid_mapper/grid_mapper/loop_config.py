@@ -55,6 +55,12 @@ class LoopConfig:
         0.3, "Where the graph is less certain than this, a loop needs a second one that agrees.",
         unit="m", gt=0.0,
     )  # fmt: skip
+    max_difference_m: float = param(
+        1.5,
+        "Where the graph is less certain than that, places whose walls are on average by more "
+        "farther or nearer than here are not compared.",
+        unit="m", gt=0.0,
+    )  # fmt: skip
     agree_m: float = param(0.3, "Two loops that differ by more do not agree.", unit="m", gt=0.0)
     agree_rad: float = param(0.05, "The same, of their turns.", unit="rad", gt=0.0)
     loop_sigma_m: float = param(
