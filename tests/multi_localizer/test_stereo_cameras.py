@@ -44,3 +44,23 @@ def test_a_lens_that_distorts_is_taken_where_rectification_changed_the_image():
     left, right = camera(distortion=bent), camera(0.1, distortion=bent)
     turned = [replace(c, intrinsics=np.diag([190.0, 190.0, 1.0])) for c in (left, right)]
     assert rectified_pair(*turned).baseline_m == pytest.approx(0.1)
+
+
+def squeezed(model, fy):
+    P = model.projection.copy()
+    P[1, 1] = fy
+    return replace(model, projection=P, intrinsics=P[:, :3].copy())
+
+
+def test_focal_lengths_along_rows_and_columns_are_not_mixed_up():
+    left, right = squeezed(camera(focal=276.0), 280.0), squeezed(camera(0.1, focal=300.0), 280.0)
+    with pytest.raises(ValueError, match="not rectified: the left P has focal lengths 276 and 280"):
+        rectified_pair(left, right)
+    with pytest.raises(ValueError, match="right P has focal lengths 500 and 250 px"):
+        rectified_pair(camera(focal=500.0), squeezed(camera(0.1, focal=500.0), 250.0))
+    nearly = [squeezed(c, 500.3) for c in (camera(focal=500.0), camera(0.1, focal=500.0))]
+    pair = rectified_pair(*nearly)
+    assert pair.focal_px == 500.0 and pair.baseline_m == pytest.approx(0.1)
+    far = [squeezed(camera(focal=500.0), 500.4), squeezed(camera(0.1, focal=500.4), 500.0)]
+    with pytest.raises(ValueError, match="focal lengths differ, 500 and 500.4"):
+        rectified_pair(*far)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -52,3 +53,26 @@ def test_what_does_not_look_level_is_refused():
 def test_disparities_of_another_camera_are_refused():
     with pytest.raises(ValueError, match="focal length is 300 px, camera_info's 280"):
         mounted_camera(at(0.0), model(), 300.0, 0.1)
+
+
+def test_a_camera_that_is_not_rectified_is_refused():
+    bent = replace(model(), distortion=np.array([-0.2, 0.05]))
+    with pytest.raises(ValueError, match="left P is K, yet the lens distorts"):
+        mounted_camera(at(0.0), bent, 280.0, 0.1)
+    squeezed = model().projection.copy()
+    squeezed[1, 1] = 260.0
+    with pytest.raises(ValueError, match="focal lengths 280 and 260"):
+        mounted_camera(at(0.0), replace(model(), projection=squeezed), 280.0, 0.1)
+
+
+def test_numbers_that_are_not_finite_are_refused():
+    with pytest.raises(ValueError, match="camera_info holds numbers that are not finite"):
+        mounted_camera(at(0.0), model(center=(math.nan, 118.0)), 280.0, 0.1)
+    with pytest.raises(ValueError, match="must be finite"):
+        mounted_camera(at(0.0), model(), math.inf, 0.1)
+    with pytest.raises(ValueError, match="must be finite"):
+        mounted_camera(at(0.0), model(), 280.0, math.inf)
+    lost = at(0.0)
+    lost[0, 3] = math.nan
+    with pytest.raises(ValueError, match="TF holds numbers that are not finite"):
+        mounted_camera(lost, model(), 280.0, 0.1)

@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -154,3 +156,15 @@ def test_a_camera_without_size_is_refused(name):
     good = {"width_px": 320, "height_px": 240, "focal_px": 276.0, "baseline_m": 0.1}
     with pytest.raises(ValueError, match=name):
         ViewCamera(**{**good, name: 0}, height_m=1.0)
+
+
+@pytest.mark.parametrize(
+    "name", ["focal_px", "baseline_m", "height_m", "x_m", "yaw", "center_u_px", "center_v_px"]
+)
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_camera_with_a_number_that_is_not_finite_is_refused(name, value):
+    good = {
+        "width_px": 320, "height_px": 240, "focal_px": 280.0, "baseline_m": 0.1, "height_m": 1.0
+    }  # fmt: skip
+    with pytest.raises(ValueError, match=f"{name} must be finite"):
+        ViewCamera(**{**good, name: value})

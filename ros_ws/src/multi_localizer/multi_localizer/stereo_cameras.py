@@ -8,6 +8,7 @@ import numpy as np
 
 _ROW_TOL_PX = 0.05
 _FOCAL_TOL = 1e-4
+_SQUARE_TOL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +55,11 @@ def rectified_pair(left: CameraModel, right: CameraModel) -> RectifiedPair:
         ValueError: If they are none that is rectified; says why.
     """
     for side, camera in (("left", left), ("right", right)):
-        _require_calibrated(side, camera)
+        require_rectified(side, camera)
     if left.size != right.size:
         raise ValueError(f"the images' sizes differ: {left.size} and {right.size}")
-    (fl, fr), (vl, vr) = ((c.projection[i, i] for c in (left, right)) for i in (0, 1))
-    if abs(fl - fr) > _FOCAL_TOL * fl or abs(vl - vr) > _FOCAL_TOL * vl:
+    fl, fr = float(left.projection[0, 0]), float(right.projection[0, 0])
+    if abs(fl - fr) > _FOCAL_TOL * fl:
         raise ValueError(f"not rectified: focal lengths differ, {fl:g} and {fr:g} px")
     rows = [c.projection[1, 2] for c in (left, right)]
     if abs(rows[0] - rows[1]) > _ROW_TOL_PX:
@@ -74,13 +75,27 @@ def rectified_pair(left: CameraModel, right: CameraModel) -> RectifiedPair:
     return RectifiedPair(left.size, float(fl), baseline, shift)
 
 
-def _require_calibrated(side: str, camera: CameraModel) -> None:
+def require_rectified(name: str, camera: CameraModel) -> None:
+    """Require that a camera's images may be used as a pinhole's with one focal length.
+
+    Args:
+        name: Which camera, for the reason.
+        camera: The camera.
+
+    Raises:
+        ValueError: If it is not calibrated, or its images are not rectified; says why.
+    """
     numbers = (camera.projection, camera.intrinsics, camera.rotation, camera.distortion)
     if not all(np.isfinite(part).all() for part in numbers):
-        raise ValueError(f"the {side} camera_info holds numbers that are not finite")
-    if not camera.projection[0, 0] > 0.0 or not camera.projection[1, 1] > 0.0:
-        raise ValueError(f"the {side} camera is not calibrated: P has no focal length")
+        raise ValueError(f"the {name} camera_info holds numbers that are not finite")
+    fx, fy = float(camera.projection[0, 0]), float(camera.projection[1, 1])
+    if not fx > 0.0 or not fy > 0.0:
+        raise ValueError(f"the {name} camera is not calibrated: P has no focal length")
+    if abs(fx - fy) > _SQUARE_TOL * fx:
+        raise ValueError(
+            f"not rectified: the {name} P has focal lengths {fx:g} and {fy:g} px, they must be one"
+        )
     is_raw = np.array_equal(camera.projection[:, :3], camera.intrinsics)
     is_turned = not np.allclose(camera.rotation, np.eye(3))
     if is_raw and camera.distortion.any() and not is_turned:
-        raise ValueError(f"not rectified: the {side} P is K, yet the lens distorts")
+        raise ValueError(f"not rectified: the {name} P is K, yet the lens distorts")

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from multi_localizer.stereo_cameras import CameraModel
+from multi_localizer.stereo_cameras import CameraModel, require_rectified
 from multi_localizer.voxel_view import ViewCamera
 
 _LEVEL = math.sin(math.radians(3.0))
@@ -25,8 +25,17 @@ def mounted_camera(
         baseline_m: The same.
 
     Raises:
-        ValueError: If it does not look level, or the disparities are of another camera.
+        ValueError: If it is not rectified, does not look level, or the disparities are of another
+            camera.
     """
+    require_rectified("left", model)
+    if not np.isfinite(T_base_camera).all():
+        raise ValueError("TF holds numbers that are not finite")
+    if not (np.isfinite(focal_px) and np.isfinite(baseline_m)):
+        raise ValueError(
+            f"the disparities' focal length {focal_px:g} px and baseline {baseline_m:g} m must be "
+            "finite"
+        )
     R, (x, y, z) = T_base_camera[:3, :3], T_base_camera[:3, 3].tolist()
     if abs(R[2, 2]) > _LEVEL or abs(R[2, 0]) > _LEVEL:
         tilt = math.degrees(math.asin(min(max(abs(R[2, 2]), abs(R[2, 0])), 1.0)))

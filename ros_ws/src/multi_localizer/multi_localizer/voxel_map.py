@@ -19,6 +19,12 @@ from pathlib import Path
 import numpy as np
 
 FORMAT, VERSION = "floornav voxel map", 1
+_PARTS = ("version", "frame", "color", "occupied", "cell_m", "layer_m", "origin_m")
+_UNREADABLE = (
+    ValueError, OSError, EOFError, KeyError, NotImplementedError, RuntimeError, MemoryError,
+    zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+"""What numpy and zipfile raise on a file that is none of theirs, or is damaged."""
 _NUMBERS = ("cell_m", "layer_m", "origin_x_m", "origin_y_m", "origin_z_m")
 
 
@@ -136,19 +142,24 @@ def load_voxel_map(path: Path | str) -> VoxelMap:
         with path.open("rb") as file:
             parts = np.load(file, allow_pickle=False)
             values = dict(parts) if isinstance(parts, Mapping) else {}
-    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
-        raise ValueError(f"{path} is no voxel map, or is cut off: {error}") from error
+    except _UNREADABLE as error:
+        # numpy's advice to load pickles must not reach the user.
+        why = "" if isinstance(error, ValueError) else f": {error}"
+        raise ValueError(f"{path} is no voxel map, or is damaged{why}") from error
     if str(values.get("format")) != FORMAT:
         raise ValueError(f"{path} is no voxel map: it lacks the format {FORMAT!r}")
-    if values["version"] != VERSION:
-        raise ValueError(f"{path} is of version {values['version']}, this reads {VERSION}")
+    missing = [name for name in _PARTS if name not in values]
+    if missing:
+        raise ValueError(f"{path} is a damaged voxel map: it lacks {', '.join(missing)}")
     try:
+        if int(values["version"]) != VERSION:
+            raise ValueError(f"it is of version {values['version']}, this reads {VERSION}")
         x, y, z = (float(v) for v in values["origin_m"])
         return VoxelMap(
             values["color"], values["occupied"], float(values["cell_m"]),
             float(values["layer_m"]), x, y, z, str(values["frame"]),
         )  # fmt: skip
-    except (KeyError, TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{path} is a damaged voxel map: {error}") from error
 
 

@@ -49,6 +49,9 @@ class ViewCamera:
     disparity_offset_px: float = 0.0
 
     def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if value is not None and not np.isfinite(value):
+                raise ValueError(f"{name} must be finite, got {value}")
         for name in ("width_px", "height_px", "focal_px", "baseline_m"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} must be above 0, got {getattr(self, name)}")

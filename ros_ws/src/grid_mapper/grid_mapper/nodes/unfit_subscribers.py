@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import (
     DurabilityPolicy,
@@ -16,6 +17,7 @@ from rclpy.qos import (
 )
 
 PERIOD_S = 1.0
+_NO_LIMIT_NS = 2**62
 _NAMELESS = "_NODE_NAME_UNKNOWN_"
 
 
@@ -82,9 +84,27 @@ def missing_policy(offered: QoSProfile, asked: QoSProfile) -> str:
     ):
         return "durability: transient_local"
     # Deadline and liveliness: rarely asked for, and the middleware has the words.
-    compatibility, reason = qos_check_compatible(offered, asked)
-    is_unfit = compatibility == QoSCompatibility.ERROR
-    return reason.removeprefix("ERROR: ").strip(" ;") if is_unfit else ""
+    compatibility, reason = qos_check_compatible(_without_limits(offered), _without_limits(asked))
+    if compatibility != QoSCompatibility.ERROR:
+        return ""
+    parts = (part.strip().removeprefix("ERROR: ") for part in reason.split(";"))
+    return "; ".join(part for part in parts if part)
+
+
+def _without_limits(profile: QoSProfile) -> QoSProfile:
+    """Return deadline and lease of a profile, no limit being 0.
+
+    A publisher's own profile has 0 for it, one discovered in the graph the longest time there is;
+    held against each other the two would not fit.
+    """
+
+    def limit(duration: Duration) -> Duration:
+        return duration if duration.nanoseconds < _NO_LIMIT_NS else Duration()
+
+    return QoSProfile(
+        depth=1, liveliness=profile.liveliness, deadline=limit(profile.deadline),
+        liveliness_lease_duration=limit(profile.liveliness_lease_duration),
+    )  # fmt: skip
 
 
 def _name(info: Any) -> str:
