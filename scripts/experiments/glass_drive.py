@@ -8,14 +8,16 @@ import numpy as np
 
 from floornav_common.se2 import SE2
 from sim_bridge.config import RouteConfig
+from sim_bridge.drive import STOP
 from sim_bridge.observations import RobotObservation
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.route import RouteFollower
 from sim_bridge.simulation import Simulation
-from sim_bridge.world import load_world
+from sim_bridge.world import World, load_world
 
 _LONGEST_S = 900.0
 _LONGEST_STILL_S = 20.0
+_WAITS_M, _WAITS_BESIDE_M = 0.9, 0.45
 
 
 def follow_route(name: str, seed: int, speed: float) -> dict[str, np.ndarray]:
@@ -24,28 +26,55 @@ def follow_route(name: str, seed: int, speed: float) -> dict[str, np.ndarray]:
     Raises:
         ValueError: The world has no route, or its robot no laser or sonars.
     """
-    world = load_world(name)
+    return drive_world(load_world(name), seed, speed)
+
+
+def drive_world(
+    world: World, seed: int, speed: float, longest_s: float = _LONGEST_S
+) -> dict[str, np.ndarray]:
+    """Drive the route of a world; the robot waits for people who are in its way.
+
+    Args:
+        world: With one robot and a route.
+        seed: Of every random number.
+        speed: Along the route, m/s.
+        longest_s: Where the drive ends at the latest.
+
+    Raises:
+        ValueError: The world has no route, or its robot no laser or sonars.
+    """
     if world.route is None or len(world.robots) != 1:
-        raise ValueError(f"{name} must have one robot and a route")
+        raise ValueError(f"{world.name} must have one robot and a route")
     simulation = Simulation(world, seed=seed)
     try:
         (robot,) = simulation.models
         model = simulation.models[robot]
         if model.config.laser is None or model.config.sonar is None:
-            raise ValueError(f"the robot of {name} must have a laser and sonars")
+            raise ValueError(f"the robot of {world.name} must have a laser and sonars")
         route = tuple(float(v) for v in np.ravel(world.route.waypoints_m))
         follower = RouteFollower(RouteConfig(route_m=route, speed_m_s=speed))
-        taken = _Taken(simulation.starts[robot])
-        while simulation.stamp_ns < _LONGEST_S * 1e9 and not taken.is_stuck(simulation.stamp_ns):
+        taken, people = _Taken(simulation.starts[robot]), np.zeros((0, 2))
+        while simulation.stamp_ns < longest_s * 1e9 and not taken.is_stuck(simulation.stamp_ns):
             command = follower.step(taken.pose)
             if command is None:
                 taken.is_complete = True
                 break
+            command = STOP if _is_in_the_way(taken.pose, people) else command
             seen = simulation.step({robot: command})
+            people = np.array([(p.pose.x, p.pose.y) for p in seen.ground_truth_people])
             taken.take(seen.stamp_ns, seen.robots[robot])
     finally:
         simulation.close()
     return {**taken.arrays(), **_mounting(model)}
+
+
+def _is_in_the_way(pose: SE2, people: np.ndarray) -> bool:
+    """Tell whether anybody stands right before the robot."""
+    if not len(people):
+        return False
+    off = pose.inverse() @ people.reshape(-1, 2)
+    is_before = (off[:, 0] > 0.0) & (off[:, 0] < _WAITS_M) & (np.abs(off[:, 1]) < _WAITS_BESIDE_M)
+    return bool(is_before.any())
 
 
 class _Taken:
