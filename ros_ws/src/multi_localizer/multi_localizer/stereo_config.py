@@ -67,8 +67,9 @@ class StereoMatcherConfig:
         "over; 1 for none.", unit="px", ge=1, le=31,
     )  # fmt: skip
     fill_holes: bool = param(
-        True, "ours: holes take the farther one of the disparities beside them; false: no value."
-    )
+        False, "ours: holes take the farther one of the disparities beside them, which is a guess; "
+        "false: no value.",
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         validate(self)

@@ -58,8 +58,9 @@ class LandmarkLocalizerNode(FloornavNode):
         self._odometry = OdometryFallback(self)
         self._watchdog = Watchdog(self, "bearings", config.input_timeout_s)
         self._report = LandmarkReport(
-            self, self._watchdog, self._outputs, self._seen.groups, config.input_timeout_s
-        )
+            self, self._watchdog, self._outputs, self._seen.groups, config.input_timeout_s,
+            self._localizer.views.kinds,
+        )  # fmt: skip
         self.diagnostics.add("landmark pose", self._report.status)
         self._log = StateLog(self, self._report.status, period_s=LOG_PERIOD_S)
         self._topics = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -27,11 +28,12 @@ class LandmarkReport:
         outputs: What was sent.
         groups: What is put together.
         timeout_s: Without a view for so long there is no pose.
+        kinds: Classes of landmarks that are listened for.
     """
 
     def __init__(
         self, node: FloornavNode, watchdog: Watchdog, outputs: LocalizerOutputs,
-        groups: StampGroups, timeout_s: float,
+        groups: StampGroups, timeout_s: float, kinds: Sequence[str],
     ) -> None:  # fmt: skip
         self._node, self._views = node, Deadline(round(timeout_s * 1e9))
         node.time.on_restart(self._forget)
@@ -40,7 +42,7 @@ class LandmarkReport:
         self._held = Deadline(HELD_NS)
         self._masks: Watchdog | None = None
         self._refusal, self._ms, self._num_views = "", 0.0, 0
-        self._timeout_s = timeout_s
+        self._timeout_s, self._kinds = timeout_s, ", ".join(kinds)
 
     def watch_masks(self, topic: str) -> None:
         """Begin to look for masks of the floor."""
@@ -93,7 +95,8 @@ class LandmarkReport:
         """Return whether the pose is known, or why not."""
         values = self._values()
         if not self._watchdog.is_fresh:
-            return Status(STALE, "no bearings: no pose is sent", values)
+            why = f"no pose is sent; `landmarks` has {self._kinds}"
+            return Status(STALE, f"no bearings: {why}", values)
         if self._has_no_view:
             why = "no moment of the bearings is whole, or their stamps were set back"
             return Status(STALE, f"no pose is sent: {why}", values)
