@@ -29,7 +29,7 @@ _NODES = (
     ("multi_localizer", "landmark_localizer"),
     ("multi_localizer", "team_localizer"),
 )
-_READY_S = 180.0
+_READY_S = 600.0  # the first time kernels are compiled, maybe on a busy machine
 _ALL_NS = 3600 * 10**9
 
 
