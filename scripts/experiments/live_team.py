@@ -39,7 +39,8 @@ def check(args: argparse.Namespace) -> None:
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Run the graph; fills `values["robots"]`, `values["mean"]` and `values["states"]`."""
-    with saying(f"{len(ROBOTS)} robots start, and drive for {args.duration:g} s ...", is_quiet=args.quiet):
+    doing = f"{len(ROBOTS)} robots start, and drive for {args.duration:g} s ..."
+    with saying(doing, is_quiet=args.quiet):
         heard = run_graph(args.duration, args.rate, args.seed, args.out_dir / "logs")
     values["robots"] = {
         name: {source: heard.errors(name, topic) for source, topic in SOURCES.items()}
