@@ -39,7 +39,8 @@ ROBOT = RobotConfig(
     drive="differential", radius_m=0.57, margin_m=0.03, front_m=0.20, rear_m=0.49,
     half_width_m=0.28, speed_m_s=0.6, accel_m_s2=0.6, idle_time_s=0.1,
 )  # fmt: skip
-WAYS = WavefrontConfig(radius_m=0.45)
+# A way is for what follows it: `sjmc` knows the robot's box, `vfh_plus` takes it for a circle.
+WAYS = {"sjmc": WavefrontConfig(radius_m=0.45), "vfh_plus": WavefrontConfig(radius_m=0.6)}
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class MappingRobot:
     def __init__(self, row: Row, model: RobotModel, goal: np.ndarray) -> None:
         fusion = "bayes" if row.has_sonar else "none"
         self._mapper = LayeredMapper(GridMapperConfig(fusion=fusion), SE2.identity())
-        self._row, self._keeper = row, RouteKeeper(WAYS)
+        self._row, self._keeper = row, RouteKeeper(WAYS[row.method])
         self._config = LocalPlannerConfig(
             method=row.method, robot=ROBOT, goal_tolerance_m=0.15, lookahead_m=1.0
         )
