@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from experiments.goal_record import GoalRecord
-from experiments.planner_judge import gap_to
+from experiments.planner_contacts import gap_to
 from floornav_common.se2 import SE2
 from sim_bridge.solids import Solid
 

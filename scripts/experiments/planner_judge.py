@@ -2,8 +2,9 @@
 
 Distances to people are from the robot's outline to the circle of the torso. A contact is the
 engine's (legs that step out included) or an outline that reaches the torso; one with a person is
-the robot's own doing if it moves faster than 0.05 m/s and the person is in the half plane that it
-moves to: ahead of its middle when it drives, behind it when it backs.
+the robot's own doing if it moves faster than 0.05 m/s and the person is in its front half-plane,
+ahead of the outline's middle, also while it backs away; or if it moves into them: the point of the
+outline next to them goes towards them faster than that, backing and turning on the spot included.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiments.planner_contacts import MOVING, gap_to, is_by_robot
 from floornav_common.se2 import SE2
 from sim_bridge.observations import Observations
 from sim_bridge.people.people import PersonTruth
@@ -20,7 +22,6 @@ from sim_bridge.robot_model import RobotModel
 from sim_bridge.simulation import Simulation
 from sjmc_planner.planning import Decision
 
-MOVING = 0.05  # m/s
 TURN_RAD = math.radians(15.0)
 _LEG_REACH = 0.3  # of a leg beyond the torso, with some air, m
 _CONTACT_S = 1.0  # touching the same again within this is the same contact
@@ -144,25 +145,6 @@ def count_turns(yaws: np.ndarray, least: float) -> int:
     return num
 
 
-def gap_to(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return how far points are from a convex outline, negative inside.
-
-    Args:
-        corners: Of the outline, counter-clockwise or clockwise, shape (C, 2), m.
-        points: Shape (N, 2), m.
-
-    Returns:
-        Shape (N,), m.
-    """
-    starts, edges = corners, np.roll(corners, -1, axis=0) - corners
-    off = points[:, None, :] - starts[None]
-    along = np.clip((off * edges).sum(-1) / (edges**2).sum(-1), 0.0, 1.0)
-    distance = np.linalg.norm(off - along[..., None] * edges, axis=-1).min(axis=1)
-    side = edges[:, 0] * off[..., 1] - edges[:, 1] * off[..., 0]
-    is_inside = (side > 0.0).all(axis=1) | (side < 0.0).all(axis=1)
-    return np.where(is_inside, -distance, distance)
-
-
 class Judge:
     """Watches one drive.
 
@@ -204,7 +186,8 @@ class Judge:
             for person in people:
                 row = (time_s, person.pose.x, person.pose.y)
                 self._people.setdefault(person.name, []).append(row)
-        self._note_contacts(time_s, truth.is_touching, pose, (v.speed, v.side_speed), people, gaps)
+        motion = v.speed, v.side_speed, v.yaw_rate
+        self._note_contacts(time_s, truth.is_touching, pose, motion, people, gaps)
 
     def result(self, is_reached: bool) -> Drive:
         """Return what came of it."""
@@ -217,15 +200,16 @@ class Judge:
         )  # fmt: skip
 
     def _note_contacts(
-        self, time_s: float, is_touching: bool, pose: SE2, velocity: tuple[float, float],
+        self, time_s: float, is_touching: bool, pose: SE2, motion: tuple[float, float, float],
         people: tuple[PersonTruth, ...], gaps: np.ndarray,
     ) -> None:  # fmt: skip
+        *velocity, yaw_rate = motion
         met = set(np.flatnonzero(gaps <= 0.0).tolist())
         if is_touching and not met and len(gaps) and gaps.min() < _LEG_REACH:
             met = {int(np.argmin(gaps))}
         for k in met:
             place = np.array([[people[k].pose.x, people[k].pose.y]])
-            by_robot = is_by_robot(self._outline, (pose.inverse() @ place)[0], velocity)
+            by_robot = is_by_robot(self._outline, (pose.inverse() @ place)[0], velocity, yaw_rate)
             self._add(time_s, people[k].name, by_robot)
         if is_touching and not met:
             self._add(time_s, "", math.hypot(*velocity) > MOVING)
@@ -235,17 +219,3 @@ class Judge:
         self._touched_at[name] = time_s
         if time_s - last > _CONTACT_S:
             self.contacts.append(Contact(time_s, name, by_robot))
-
-
-def is_by_robot(outline: np.ndarray, place: np.ndarray, velocity: tuple[float, float]) -> bool:
-    """Tell whether a contact with a person is the robot's doing.
-
-    Args:
-        outline: Of the robot in its own frame, shape (C, 2), m.
-        place: Of the person there, shape (2,), m.
-        velocity: Of the robot, forward and left, m/s.
-    """
-    if math.hypot(*velocity) <= MOVING:
-        return False
-    off = place - (outline.min(axis=0) + outline.max(axis=0)) / 2.0
-    return bool(off @ np.array(velocity) > 0.0)

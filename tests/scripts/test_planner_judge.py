@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from experiments.planner_judge import Drive, count_turns, gap_to, is_by_robot
+from experiments.planner_contacts import gap_to, is_by_robot
+from experiments.planner_judge import Drive, count_turns
 
 OUTLINE = np.array([[0.2, 0.3], [-0.5, 0.3], [-0.5, -0.3], [0.2, -0.3]])
 
@@ -44,7 +45,15 @@ def test_who_stands_did_not_do_it_and_who_drives_into_somebody_did() -> None:
     assert is_by_robot(OUTLINE, ahead, (0.5, 0.0))
     assert not is_by_robot(OUTLINE, behind, (0.5, 0.0))
     assert is_by_robot(OUTLINE, behind, (-0.5, 0.0))
-    assert not is_by_robot(OUTLINE, ahead, (-0.5, 0.0))
+    assert is_by_robot(OUTLINE, ahead, (-0.5, 0.0))  # by the letter, though it backs away
+
+
+def test_turning_into_somebody_beside_is_the_robots_doing() -> None:
+    """0.6 rad/s swing a corner 0.4 m behind the base at 0.24 m/s to the right."""
+    right_rear = np.array([OUTLINE[:, 0].min() + 0.05, OUTLINE[:, 1].min() - 0.15])
+    assert is_by_robot(OUTLINE, right_rear, (0.0, 0.0), 0.6)
+    assert not is_by_robot(OUTLINE, right_rear, (0.0, 0.0), -0.6)
+    assert not is_by_robot(OUTLINE, right_rear, (0.0, 0.0), 0.05)
 
 
 def test_rest_counts_from_when_it_set_out() -> None:

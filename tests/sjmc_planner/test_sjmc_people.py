@@ -77,15 +77,17 @@ def test_a_mirrored_person_allows_the_same() -> None:
 
 
 def test_a_bystander_is_come_up_to_slowly_and_others_are_not_minded() -> None:
-    """2 m ahead of the front, 0.2 m beside the strip: (2 - 1) m in 1.6 s."""
+    """2 m ahead of the front, 0.2 m beside the strip: (2 - 1) m in 1.4 s; slowest at L_DANGER."""
     known = np.zeros(1, bool)
     args = known, FRONT, HALF, CONFIG
     speed, who = bystander_in_reach(0.0, scene_of((2.45, 0.8, 0.0, 0.0)), *args)
-    assert (speed, who) == (pytest.approx(1.0 / 1.6), 0)
+    assert (speed, who) == (pytest.approx(1.0 / 1.4), 0)
     for person in ((2.45, 0.0, 0.0, 0.0), (2.45, 1.6, 0.0, 0.0), (2.45, 0.8, 0.5, 0.0)):
         assert bystander_in_reach(0.0, scene_of(person), *args) == (math.inf, -1)
+    at_danger = bystander_in_reach(0.0, scene_of((1.4, 0.8, 0.0, 0.0)), *args)
+    assert at_danger == (CONFIG.bystander_end_m_s, 0)
     close = bystander_in_reach(0.0, scene_of((0.6, 0.8, 0.0, 0.0)), *args)
-    assert close == (CONFIG.bystander_end_m_s, 0)
+    assert close == (CONFIG.bystander_pass_m_s, 0)
 
 
 def test_patience_with_one_ends_and_is_whole_again_after_a_rest() -> None:

@@ -51,6 +51,15 @@ def test_backing_makes_room() -> None:
     assert backs.people_gap > stands.people_gap + 0.15
 
 
+def test_who_walks_through_the_robot_is_the_deeper_in_the_less_it_backs() -> None:
+    """0.1 m behind the front on the middle line: 0.1 m deep and the radius; half the width most."""
+    crosses = np.array([[0.1, 1.0, 0.0, -1.0, 0.25]])
+    stands = foresight().look(STILL, 0.0, 0.0, 0.0, NOTHING, crosses)
+    assert stands.people_gap == pytest.approx(-0.1 - 0.25, abs=1e-6)
+    backs = foresight().look(STILL, 0.0, -0.15, 2.0, NOTHING, crosses)
+    assert backs.people_gap > stands.people_gap + 0.02
+
+
 def test_a_thing_beside_is_swept_by_the_tail_of_a_turn() -> None:
     thing = np.array([[-0.3, -0.35]])
     seen = foresight().look(STILL, math.radians(90.0), 0.0, 2.0, thing, NOBODY)

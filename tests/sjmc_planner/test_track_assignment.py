@@ -8,6 +8,7 @@ from sjmc_planner.scan_shapes import BEAMS, HALF, NUM_COLUMNS, RANGE, WIDTH, X, 
 from sjmc_planner.track_assignment import (
     CX,
     FIRST,
+    FREE,
     NUM_CANDIDATE_COLUMNS,
     SECOND,
     assign,
@@ -85,3 +86,13 @@ def test_what_is_far_is_nobodys() -> None:
 def test_a_walker_somewhat_farther_on_is_still_the_same() -> None:
     found = candidates(shapes((0.42, 0.0, 0.4)))  # beyond the gate, 0.11 m of deviation
     assert who(found, (0.0, 0.0)) == [(0, -1)]
+
+
+def test_who_stood_takes_a_body_one_step_off_where_all_was_free() -> None:
+    found = candidates(shapes((0.28, 0.0, 0.4)))
+    means, _, _ = tracks((0.0, 0.0))
+    for free, expected in ((0.0, -1), (1.0, 0)):
+        found[:, FREE] = free
+        taken, chosen = np.zeros(50, dtype=np.bool_), np.array([-1])
+        is_late = assign_late(found, len(found), means, np.array([0.01]), 1, taken, chosen)
+        assert chosen[0] == expected and is_late[0] == (expected == 0)

@@ -49,6 +49,7 @@ from sjmc_planner.sjmc_people import (
     people_in_the_way,
 )
 from sjmc_planner.sjmc_region import box_of
+from sjmc_planner.sjmc_retreat import Retreat
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_room import make_room
 from sjmc_planner.sjmc_scene import SceneReader
@@ -58,8 +59,8 @@ from sjmc_planner.unicycle_motion import Unicycle
 _SHARES = (1.0, 0.75, 0.5, 0.3, 0.15)  # of a course's speed, tried in turn
 _LOOKS = (1.0, 0.5, 0.25)  # of look_m
 _MOST = 24  # courses looked along with each
-_SLOW, _HELD = 0.03, 0.1  # m/s
-_STUCK_S, _BACK = 1.0, -0.15  # after this long without a course it backs, m/s
+_SLOW, _HELD, _HELD_SHARE = 0.03, 0.1, 0.9  # m/s
+_BACK = -0.15  # m/s
 _CREEP = 0.2
 
 
@@ -85,17 +86,16 @@ class Sjmc:
         self._moments = MomentReader(robot, config, self._box, self._foresight, self._delay)
         self._patience = Patience(config, cycle.period)
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
+        self._retreat = Retreat(config, cycle.period)
         self._side = 0
-        self._behind = 0.0
         self._has_minded = False
-        self._stuck_s = 0.0
 
     def decide(
         self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
     ) -> Decision:
         """Return the command for now (Fig. 3.3)."""
         scene = self._scenes.read(state, obstacles)
-        self._note_way(state)
+        self._retreat.note(state)
         if goal.distance <= self._cycle.goal_tolerance:  # end
             return Decision(STILL, REACHED)
         self._patience.mind(self._has_minded)
@@ -108,9 +108,9 @@ class Sjmc:
             is_judged[ahead.who] = True
             moment = self._moments.of(state, goal, scene, is_judged)
         decision = self._on_course(moment) or self._around(moment)
-        if decision is not None:
-            self._stuck_s = 0.0
-        else:
+        if self._retreat.is_due(decision):
+            decision = self._back_out(moment) or decision
+        if decision is None:
             decision = self._stuck(moment)
         debug = self._moments.debug(moment, decision.command) if has_debug else None
         return decision if debug is None else replace(decision, debug=debug)
@@ -120,20 +120,21 @@ class Sjmc:
         if moment.free[0] < self._config.look_m or moment.is_blind:
             return None
         course, ahead = moment.goal.bearing, self._in_the_way(moment.goal.bearing, moment)
-        speed, seen = self._safe_speed(
-            course, min(ahead.bound, self._beside(course, moment)), moment
-        )
+        beside = self._beside(course, moment)
+        speed, seen = self._safe_speed(course, min(ahead.bound, beside), moment)
         if speed > _SLOW:
             if moment.free[0] == math.inf:
                 self._side = 0
             is_slowed = speed < 0.9 * moment.fastest and len(moment.scene.people) > 0
-            if speed < _HELD and self._has_waited(ahead, moment)[1]:
+            if speed < min(_HELD, _HELD_SHARE * beside) and self._has_waited(ahead, moment)[1]:
                 return None
             reason = "slower for a person" if is_slowed else ""
             return Decision(self._command(course, speed), DRIVING, reason)
         if not self._moments.is_clear(seen, moment):
-            room = make_room(moment.state, moment.scene, self._foresight, seen, self._behind,
-                             self._robot, self._config)  # fmt: skip
+            room = make_room(
+                moment.state, moment.scene, self._foresight, seen, self._retreat.behind,
+                self._robot, self._config,
+            )  # fmt: skip
             if room is not None:
                 command, course = room
                 if command < 0.0:
@@ -176,18 +177,16 @@ class Sjmc:
         if speed > _SLOW and not moment.is_blind:
             return Decision(self._command(moment.goal.bearing, speed), BLOCKED, reason)
         is_still = moment.state.velocity.speed < _SLOW
-        self._stuck_s += self._cycle.period
-        if self._stuck_s > _STUCK_S and self._may_back(moment):
-            return Decision(Velocity(_BACK, 0.0, 0.0), BACKING, reason)
         return Decision(STILL, BLOCKED if is_still else BRAKING, reason)
 
-    def _may_back(self, moment: Moment) -> bool:
-        """Tell whether it may back out of where it is stuck, on the way that it came."""
-        if self._behind <= 0.0 or self._unicycle is None:
-            return False
+    def _back_out(self, moment: Moment) -> Decision | None:
+        """Return how to back out of where it is stuck; None where that is not safe."""
         now, scene = moment.state.velocity, moment.scene
         seen = self._foresight.look(now, 0.0, _BACK, self._cycle.period, scene.solids, scene.people)
-        return self._moments.is_clear(seen, moment)
+        if self._unicycle is not None and self._moments.is_clear(seen, moment):
+            return Decision(Velocity(_BACK, 0.0, 0.0), BACKING, "no course is open")
+        self._retreat.end()
+        return None
 
     def _turned(self, course: float, moment: Moment) -> Decision:
         """Return how to face a course that was seen, from one that was not: stand, then turn."""
@@ -239,8 +238,3 @@ class Sjmc:
         if self._unicycle is not None:
             return self._unicycle.command(course, speed)
         return Velocity(speed * math.cos(course), speed * math.sin(course), 0.0)
-
-    def _note_way(self, state: RobotState) -> None:
-        """Keep how far the robot may back on the way that it came."""
-        came = self._behind + state.moved.x - 2.0 * abs(state.moved.yaw) * self._config.backs_off_m
-        self._behind = min(max(came, 0.0), self._config.backs_off_m)

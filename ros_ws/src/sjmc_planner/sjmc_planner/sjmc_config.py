@@ -60,10 +60,16 @@ class SjmcConfig:
         unit="m", ge=0.0, le=3.0,
     )  # fmt: skip
     bystander_s: float = param(
-        1.6, "How slowly: it would take this long to where it stops before such a person; 0 = no "
+        1.4, "How slowly: it would take this long to L_DANGER before such a person; 0 = no "
         "regard.", unit="s", ge=0.0, le=10.0,
     )  # fmt: skip
-    bystander_end_m_s: float = param(0.15, "And no slower than this.", unit="m/s", ge=0.0, le=1.0)
+    bystander_end_m_s: float = param(
+        0.05, "And no slower than this: at L_DANGER it can only just back before who steps out.",
+        unit="m/s", ge=0.0, le=1.0,
+    )  # fmt: skip
+    bystander_pass_m_s: float = param(
+        0.15, "How fast it then goes past who let it come so near.", unit="m/s", ge=0.0, le=1.0
+    )
     clearance_m: float = param(
         0.2, "Air to keep to people, as they are foreseen.", unit="m", ge=0.0, le=2.0
     )

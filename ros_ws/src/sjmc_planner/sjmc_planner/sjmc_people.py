@@ -21,6 +21,7 @@ _LEAVES_S = 4.0  # who takes longer to leave D does not leave it
 _YIELDS = 0.3  # m/s: who was judged and goes this fast is given another chance
 _LEAVING = 0.2  # m/s
 _REGAIN = 0.1  # of the time without: regained of what bystanders took
+_PAST_LINE = 0.17  # m: so far beyond L_DANGER who stands beside the way has let it come
 _RESTS_S = 1.0  # without being in the way: patience is whole again
 
 
@@ -119,7 +120,10 @@ def bystander_in_reach(
     along, who = _beside(*args)
     if who < 0:
         return math.inf, -1
-    return max((along - config.danger_m) / config.bystander_s, config.bystander_end_m_s), who
+    room = along - config.danger_m
+    if room < -_PAST_LINE:
+        return config.bystander_pass_m_s, who
+    return max(room / config.bystander_s, config.bystander_end_m_s), who
 
 
 @numba.njit(cache=True, nogil=True)

@@ -158,7 +158,7 @@ def _gaps(state, box, t, things, people, least_thing, least_person, at):  # type
     for i in range(len(people)):
         x = people[i, 0] + t * people[i, 2] - state[0]
         y = people[i, 1] + t * people[i, 3] - state[1]
-        gap = math.sqrt(_gap2(x, y, c, s, box)) - people[i, 4]
+        gap = _signed_gap(x, y, c, s, box) - people[i, 4]
         if gap < least_person:
             least_person, at = gap, t
     return least_thing, least_person, at
@@ -171,3 +171,13 @@ def _gap2(dx, dy, c, s, box):  # type: ignore[no-untyped-def]
     ahead = max(x - box[0], -box[1] - x, 0.0)
     aside = max(abs(y) - box[2], 0.0)
     return ahead * ahead + aside * aside
+
+
+@numba.njit(cache=True, nogil=True, inline="always")
+def _signed_gap(dx, dy, c, s, box):  # type: ignore[no-untyped-def]
+    """Return the distance of a point from the box; in it, how deep, negative."""
+    x, y = c * dx + s * dy, c * dy - s * dx
+    ahead, aside = max(x - box[0], -box[1] - x), abs(y) - box[2]
+    if ahead < 0.0 and aside < 0.0:
+        return max(ahead, aside)
+    return math.hypot(max(ahead, 0.0), max(aside, 0.0))

@@ -13,7 +13,7 @@ from sjmc_planner.sjmc_scene import Scene
 _BACK = (-0.15, -0.3, -0.5)  # m/s
 _AWAY = (20.0, 40.0, 60.0, 80.0, 100.0)  # deg
 _HOLD_S = 1.5
-_GAIN = 0.05  # better than standing by this at least, m
+_GAIN, _GAIN_ON = 0.05, 0.005  # better than standing by this at least, to begin and to go on, m
 
 
 def make_room(
@@ -36,7 +36,8 @@ def make_room(
         robot: Its limits.
         config: Clearances and times.
     """
-    best, chosen = standing.people_gap + _GAIN, None
+    gain = _GAIN_ON if state.command.x < 0.0 else _GAIN
+    best, chosen = standing.people_gap + gain, None
     for speed in _BACK:
         if behind <= 0.02:
             break

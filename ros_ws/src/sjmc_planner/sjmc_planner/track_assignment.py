@@ -22,6 +22,7 @@ _SD_BODY, _SD_HIDDEN, _SD_PAIR, _SD_LEG = 0.05, 0.12, 0.06, 0.22
 _SD_SHARE = 0.006  # of the range
 _LEG_PENALTY = 3.0
 _LATE, _LATE_WALKS = 0.5, 0.4  # how far off a walker may still be, m, and how surely it walks
+_STEP_M, _STEP_FREE = 0.3, 0.5  # how far off who stood, m, and how much of it where all was free
 
 
 @numba.njit(cache=True, nogil=True)
@@ -121,22 +122,26 @@ def assign(  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, nogil=True)
 def assign_late(candidates, num, means, p_walks, num_tracks, taken, chosen):  # type: ignore[no-untyped-def]
-    """Give walkers without a candidate the nearest one that is left; return which got one, (T,).
+    """Give tracks without a candidate the nearest one that is left; return which got one, (T,).
 
     One leg alone says little of the middle: when the other comes into view again, the person may
-    be farther on than the filter thinks possible, and is still the same.
+    be farther on than the filter thinks possible, and is still the same. And who stood and steps
+    out at a walker's speed leaves the place within a scan: a body next to it where all was free.
     """
     is_late = np.zeros(num_tracks, dtype=np.bool_)
     for _ in range(num_tracks):
         best, track, candidate = _LATE, -1, -1
         for t in range(num_tracks):
-            if chosen[t] >= 0 or p_walks[t] < _LATE_WALKS:
+            if chosen[t] >= 0:
                 continue
+            stood = p_walks[t] < _LATE_WALKS
             for c in range(num):
+                if stood and (candidates[c, RADIUS] == 0.0 or candidates[c, FREE] < _STEP_FREE):
+                    continue
                 off = np.hypot(
                     candidates[c, CX] - means[t, 1, 0], candidates[c, CY] - means[t, 1, 1]
                 )
-                if off < best and is_left(candidates[c], taken):
+                if off < min(best, _STEP_M if stood else best) and is_left(candidates[c], taken):
                     best, track, candidate = off, t, c
         if track < 0:
             break

@@ -20,10 +20,10 @@ from sjmc_planner.track_assignment import (
     is_left,
     take,
 )
-from sjmc_planner.track_filter import WALKS, correct, mix, predict, start
+from sjmc_planner.track_filter import STANDS, WALKS, correct, mix, predict, start
 
-NUMBER, SIZE, AGE, UNSEEN, HITS, SHAPE_A, SHAPE_B = range(7)
-NUM_INFO = 7
+NUMBER, SIZE, AGE, UNSEEN, HITS, SHAPE_A, SHAPE_B, SWAY = range(8)
+NUM_INFO = 8
 _STARTS_WALKING = 0.1  # how probable that is of somebody new
 _IS_FREE, _IS_PARTLY_FREE, _IS_KNOWN, _IS_LEFT = 0.5, 0.2, 0.6, 0.5  # shares of its ends
 _TOLD_FREE, _TOLD_PARTLY, _TOLD_KNOWN, _TOLD_NOTHING = (
@@ -40,6 +40,11 @@ _OWN_LEG = 0.5  # a leg this near to somebody is rather theirs, m
 _LATELY_S = 0.25
 _SD_LATE = 0.1  # of whoever was farther on than expected, m
 _SIZE_TAKEN = 0.3  # of a new width into the old one
+_SWAYS, _SWAY_TAKEN = 0.1, 0.2  # m, of somebody new; share of a new one into the old
+_STEP, _STEP_SWAYS = 0.05, 5.0  # m, times the sway: who stood and is so far off steps out
+_LEAST_S = 0.05
+_STEP_SD = 0.0625  # of a place: a body within 2 m; what is seen less well tells no steps
+_STEP_P, _STEP_SD_V = 0.9, 0.4  # then it walks with this probability; deviation of its velocity
 
 
 @numba.njit(cache=True, nogil=True)
@@ -81,13 +86,40 @@ def see(  # type: ignore[no-untyped-def]
         told = _told(c[FREE], c[KNOWN], c[LEFT]) * min(10.0 * since, 2.0)
         is_free = c[FREE] >= _IS_PARTLY_FREE or c[LEFT] >= _IS_LEFT
         variance = c[SD] ** 2 + (_SD_LATE**2 if is_late[t] else 0.0)
+        steps_out = _steps_out(means[t, STANDS], p_walks[t], info[t], c, since)
         p_walks[t] = correct(means[t], covs[t], p_walks[t], c[CX], c[CY], variance, told, is_free)
+        if steps_out:
+            p_walks[t] = _set_out(means[t], covs[t], c, since)
         info[t, UNSEEN] = 0.0
         info[t, HITS] += 1.0
         info[t, SHAPE_A], info[t, SHAPE_B] = c[FIRST], c[SECOND]
         size = max(c[RADIUS], least_radius)
         info[t, SIZE] = max((1.0 - _SIZE_TAKEN) * info[t, SIZE] + _SIZE_TAKEN * size, least_radius)
     return taken
+
+
+@numba.njit(cache=True, nogil=True)
+def _steps_out(stands, p_walks, info, c, since):  # type: ignore[no-untyped-def]
+    """Tell whether somebody who stood is off by far more than the sway so far; note the sway."""
+    if p_walks > 0.5 or c[SD] > _STEP_SD or c[RADIUS] == 0.0 or since > 2.0 * _LATELY_S:
+        info[SWAY] = _SWAYS
+        return False
+    off = np.hypot(c[CX] - stands[0], c[CY] - stands[1])
+    if off > max(_STEP, _STEP_SWAYS * info[SWAY]):
+        return True
+    info[SWAY] += _SWAY_TAKEN * (off - info[SWAY])
+    return False
+
+
+@numba.njit(cache=True, nogil=True)
+def _set_out(mean, cov, c, since):  # type: ignore[no-untyped-def]
+    """Let a track walk from where it stood to where it is now, in place; return how surely."""
+    stood = mean[STANDS, :2].copy()
+    start(mean, cov, c[CX], c[CY], c[SD])
+    for i in range(2):
+        mean[WALKS, 2 + i] = (mean[WALKS, i] - stood[i]) / max(since, _LEAST_S)
+    cov[WALKS, 2, 2] = cov[WALKS, 3, 3] = _STEP_SD_V**2
+    return _STEP_P
 
 
 @numba.njit(cache=True, nogil=True)
@@ -170,6 +202,7 @@ def begin_new(  # type: ignore[no-untyped-def]
         last_number += 1
         info[num] = 0.0
         info[num, NUMBER], info[num, SIZE] = last_number, max(c[RADIUS], least_radius)
+        info[num, SWAY] = _SWAYS
         info[num, HITS], info[num, SHAPE_A], info[num, SHAPE_B] = 1.0, c[FIRST], c[SECOND]
         num += 1
     return num, last_number
