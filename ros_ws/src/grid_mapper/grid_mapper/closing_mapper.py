@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterable
 from dataclasses import astuple, replace
 
 import numpy as np
@@ -48,6 +47,7 @@ class ClosingMapper:
         graph: How the graph was when last heard of.
         corrections: What poses are corrected by; another object after each correction.
         node: The newest node.
+        num_swaps: How often maps made anew took the place of the old.
     """
 
     def __init__(self, config: GridMapperConfig, worker: Worker) -> None:
@@ -86,21 +86,25 @@ class ClosingMapper:
         self._place_readings()
 
     def relocate(
-        self, T_map_base: SE2, cov: np.ndarray | None = None,
-        seen: Iterable[tuple[SurfacePoints, SE2]] = (),
-    ) -> None:  # fmt: skip
+        self, T_map_base: SE2, cov: np.ndarray | None = None, seen: SurfacePoints | None = None
+    ) -> None:
         """Go on from another pose; see `ScanLocalizer.relocate`.
 
         Args:
             T_map_base: About where the robot is.
             cov: Of (x, y, yaw) in map axes, shape (3, 3).
-            seen: What is known of the surroundings: points and their poses in the map.
+            seen: What is known of the surroundings, in the map frame.
         """
         T_local_map = self._T_map_local.inverse()
-        self._front.see((points, T_local_map @ pose) for points, pose in seen)
+        if seen is not None:
+            self._front.see([(seen, T_local_map)])
         turned = None if cov is None else rotated(cov, T_local_map.yaw)
         self._front.relocate(T_local_map @ T_map_base, turned)
         self._readings.break_here()
+
+    def lose(self) -> None:
+        """Follow odometry alone until `relocate`; see `ScanLocalizer.lose`."""
+        self._front.lose()
 
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. Maps and pose stay."""
@@ -178,7 +182,7 @@ class ClosingMapper:
     def _empty(self) -> None:
         """Begin with empty maps, at the first pose of all."""
         config = self.config
-        self.graph = GraphState(-1)
+        self.graph, self.num_swaps = GraphState(-1), 0
         self.corrections = Corrections.of([], [])
         self.node = NO_NODE
         self._T_map_local = SE2.identity()
@@ -233,6 +237,7 @@ class ClosingMapper:
     def _swap(self, rebuilt: Rebuilt) -> None:
         """Let the new maps and the new correction take the place of the old."""
         self._coming = None
+        self.num_swaps += 1
         new = rebuilt.mapper
         self._num_changes_before = self.num_changes + 1 - new.num_changes
         pairs = zip(astuple(self.sonar_counts), astuple(new.sonar_counts), strict=True)

@@ -10,6 +10,7 @@ from floornav_common.scan import Scan
 from grid_mapper.bayes_config import BayesConfig
 from grid_mapper.loop_config import LoopConfig as LoopConfig
 from grid_mapper.node_config import GridMapperNodeConfig as GridMapperNodeConfig
+from grid_mapper.relocation_config import RelocationConfig as RelocationConfig
 from grid_mapper.sonar_config import SonarConfig, SonarKeyConfig
 
 
@@ -202,11 +203,12 @@ class GridMapperConfig:
     )
     loop_closing: bool = param(
         True,
-        "Close loops: match to what was seen lately, and correct all poses by a pose graph. Done "
-        "by map_bag; the live node matches to all key scans instead.",
+        "Close loops: match to what was seen lately, and correct all poses by a pose graph; the "
+        "live node does so in the background. False matches to all key scans instead.",
         read_only=True,
     )
     loop: LoopConfig = field(default_factory=LoopConfig)
+    relocation: RelocationConfig = field(default_factory=RelocationConfig)
     match_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     map_key: KeyScanConfig = field(default_factory=KeyScanConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)

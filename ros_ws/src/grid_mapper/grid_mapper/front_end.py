@@ -50,6 +50,10 @@ class FrontEnd:
         """Go on from another pose; see `ScanLocalizer.relocate`."""
         self._localizer.relocate(T_local_base, cov)
 
+    def lose(self) -> None:
+        """Follow odometry alone; see `ScanLocalizer.lose`."""
+        self._localizer.lose()
+
     def break_motion(self, T_local_first: SE2) -> None:
         """Go on after time or odometry jumped; see `ScanLocalizer.break_motion`."""
         self._localizer.break_motion(T_local_first)

@@ -55,6 +55,14 @@ class LabelGrid:
             grid.fields["labels"], grid.fields["points"], grid.table, grid.corner,
         )  # fmt: skip
 
+    def begin_with(self, cells: np.ndarray, values: np.ndarray) -> None:
+        """Take cells (row, col), shape (N, 2), that are known: FREE or OCCUPIED, no noise."""
+        is_occupied = values == OCCUPIED
+        labels = np.where(is_occupied, LABEL_OCCUPIED, LABEL_FREE)
+        self._grid.write("labels", cells, labels.astype(np.int8))
+        points = np.where(is_occupied, self.config.noise_points + 1, 0)
+        self._grid.write("points", cells, points.astype(np.uint16))
+
     def occupancy(self) -> OccupancyMap:
         """Return the map with noise candidates judged (4.2)."""
         labels, corner = self._grid.dense("labels")

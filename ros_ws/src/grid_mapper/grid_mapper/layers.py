@@ -26,6 +26,8 @@ from grid_mapper.placed_readings import PlacedReadings
 from grid_mapper.sonar_grid import SonarGrid
 from grid_mapper.sonar_keys import SonarKeys
 from grid_mapper.sonar_reading import Nothing, classify
+from grid_mapper.start_map import StartMap
+from grid_mapper.surface_points import SurfacePoints
 
 
 @dataclass
@@ -60,10 +62,13 @@ class LayeredMapper:
         sonar_counts: What became of readings so far.
     """
 
-    def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
-        """Start with empty maps; `T_map_start` is the first pose, the map's origin by default."""
-        self.config = config
-        self.laser = GridMapper(config, T_map_start)
+    def __init__(
+        self, config: GridMapperConfig, T_map_start: SE2 | None = None,
+        start: StartMap | None = None, is_frozen: bool = False,
+    ) -> None:  # fmt: skip
+        """Start with empty maps, or with one that was made before; see `GridMapper`."""
+        self.config, self._is_frozen = config, is_frozen
+        self.laser = GridMapper(config, T_map_start, start, is_frozen)
         self._empty_layers()
 
     def reset(self) -> None:
@@ -111,8 +116,9 @@ class LayeredMapper:
             T_base_sonar: Pose of the sonar on the robot, which looks along its x axis.
             sensor: Tells sonars apart.
         """
-        self._readings.push(stamp_ns, reading, T_base_sonar, sensor)
-        self._place_waiting()
+        if not self._is_frozen:
+            self._readings.push(stamp_ns, reading, T_base_sonar, sensor)
+            self._place_waiting()
 
     def place_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
         """Map one scan at a pose that another localizer knows."""
@@ -139,10 +145,16 @@ class LayeredMapper:
         is_weighed = self.config.fusion == "bayes" and math.isfinite(heard.range)
         self._num_heard += is_counted or is_weighed
 
-    def relocate(self, T_map_base: SE2, cov: np.ndarray | None = None) -> None:
-        """Go on from another pose; see `ScanLocalizer.relocate`."""
+    def relocate(
+        self, T_map_base: SE2, cov: np.ndarray | None = None, seen: SurfacePoints | None = None
+    ) -> None:
+        """Go on from another pose, see `ScanLocalizer.relocate`; the map has what is seen there."""
         self.laser.relocate(T_map_base, cov)
         self._readings.break_here()
+
+    def lose(self) -> None:
+        """Follow odometry alone until `relocate`; see `ScanLocalizer.lose`."""
+        self.laser.lose()
 
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. Maps and pose stay."""
@@ -189,6 +201,8 @@ class LayeredMapper:
         return self.laser.num_bytes + self._sonar.num_bytes + self._fusion.num_bytes
 
     def _took_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
+        if self._is_frozen:
+            return
         self._fusion.add_scan(self.laser.clipped(scan), T_map_base @ T_base_laser, stamp_ns)
         self._readings.add_pose(stamp_ns, T_map_base)
         self._place_waiting()

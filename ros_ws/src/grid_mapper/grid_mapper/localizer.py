@@ -22,6 +22,7 @@ from grid_mapper.surface_points import SurfacePoints, surface_points
 VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
 MIN_VARIANCE = 1e-8
 RESET_SLACK_S = 0.5  # logs stamp scans that badly
+LOST = "where in the map the robot is is not known"
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class ScanLocalizer:
 
     def __init__(
         self, config: GridMapperConfig, T_map_start: SE2 | None = None,
-        matcher: ScanMatcher | None = None,
+        matcher: ScanMatcher | None = None, is_frozen: bool = False,
     ) -> None:  # fmt: skip
         """Start knowing nothing.
 
@@ -76,11 +77,14 @@ class ScanLocalizer:
             config: Its values.
             T_map_start: The first pose, the map's origin by default.
             matcher: Holds the map to match to; by default one of all key scans.
+            is_frozen: Whether that map is to stay as it is.
         """
         self.config = config
         self._T_map_start = T_map_start or SE2.identity()
         self._matcher = matcher or ScanMatcher(config.matcher)
+        self._is_frozen = is_frozen
         self._start_cov: np.ndarray | None = None
+        self._is_lost = False
         self._first_pose: SE2 | None = None
         self._guesses: list[SE2] = []  # where the robot may be after a jump; empty if it knows
         self._last: _Step | None = None
@@ -105,8 +109,12 @@ class ScanLocalizer:
         points = points_of(scan, T_base_laser, self.config.matcher)
         if self._is_reset(stamp_ns, T_odom_base):
             self.break_motion()
+        if self._last is None and not self._matcher.is_empty:
+            self._begin_in_map(stamp_ns)
         moved, cov_moved, dt = self._motion(stamp_ns, T_odom_base)
-        if self._matcher.is_empty:
+        if self._is_lost:
+            result, near = self._follow(moved, cov_moved), np.diag(VAGUE_SIGMAS**2)
+        elif self._matcher.is_empty:
             result, near = self._first(len(points)), np.zeros((3, 3))
         elif self._guesses:
             result, near = self._search(points, moved), np.diag(VAGUE_SIGMAS**2)
@@ -115,7 +123,7 @@ class ScanLocalizer:
         pose = result.T_map_base
         if result.is_trusted:
             near = np.zeros((3, 3))
-            if self._keys.take(stamp_ns, pose, self.config.match_key):
+            if self._keys.take(stamp_ns, pose, self.config.match_key) and not self._is_frozen:
                 self._matcher.insert(points, pose)
         self._remember(stamp_ns, T_odom_base, result, near, dt)
         return result
@@ -130,11 +138,15 @@ class ScanLocalizer:
         """
         if cov is None or np.linalg.eigvalsh(cov).min() < MIN_VARIANCE:
             cov = np.diag(VAGUE_SIGMAS**2)
-        self._guesses = []
+        self._guesses, self._is_lost = [], False
         if self._last is None:
             self._T_map_start, self._start_cov = T_map_base, cov
         else:
             self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, cov, np.zeros(3))
+
+    def lose(self) -> None:
+        """Follow odometry alone, and believe no scan until `relocate`: the robot is anywhere."""
+        self._is_lost, self._guesses = True, []
 
     def break_motion(self, T_map_first: SE2 | None = None) -> None:
         """Go on after time or odometry jumped: the map stays, the robot may be anywhere.
@@ -177,6 +189,18 @@ class ScanLocalizer:
         else:
             moved, cov = steady_motion(last.velocity, dt, self.config.motion)
         return moved, rotated(cov, last.T_map_base.yaw), dt
+
+    def _begin_in_map(self, stamp_ns: int) -> None:
+        """Begin where the robot was said to be in a map that is there."""
+        cov = np.diag(VAGUE_SIGMAS**2) if self._start_cov is None else self._start_cov
+        start = self._first_pose = self._T_map_start
+        self._last = _Step(stamp_ns, start, None, cov, cov, np.zeros(3))
+
+    def _follow(self, moved: SE2, cov_moved: np.ndarray) -> ScanResult:
+        """Go on by odometry."""
+        assert self._last is not None
+        pose = self._last.T_map_base @ moved
+        return ScanResult(pose, self._last.cov + cov_moved, False, LOST, 0.0)
 
     def _first(self, num_points: int) -> ScanResult:
         """Start the map, if the scan shows anything."""

@@ -10,7 +10,7 @@ from copy import copy
 import numba
 import numpy as np
 
-from floornav_common.grid import UNKNOWN, OccupancyMap
+from floornav_common.grid import OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.beams import Beams, beams_of
@@ -41,6 +41,11 @@ class LogOddsGrid:
             origin, beams.angles, ranges, beams.is_hit, *steps,
             grid.fields["log_odds"], grid.table, grid.corner,
         )  # fmt: skip
+
+    def begin_with(self, cells: np.ndarray, values: np.ndarray) -> None:
+        """Take cells (row, col), shape (N, 2), that are known for sure: FREE or OCCUPIED."""
+        limit = np.float32(log_odds(self.config.p_max))
+        self._grid.write("log_odds", cells, np.where(values == OCCUPIED, limit, -limit))
 
     def occupancy(self) -> OccupancyMap:
         """Return the map; cells hold 100 P(occupied), rounded."""

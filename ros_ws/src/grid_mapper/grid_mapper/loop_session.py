@@ -44,14 +44,12 @@ class GraphState:
         num_nodes: Nodes.
         num_loops: Loops closed.
         num_refused: Candidates that were none.
-        num_rebuilt: How often the maps were made anew.
     """
 
     number: int
     num_nodes: int = 0
     num_loops: int = 0
     num_refused: int = 0
-    num_rebuilt: int = 0
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,6 @@ class LoopSession:
         self._mapped = Corrections.of([], [])
         self._rebuild: _Rebuild | None = None
         self._number = self._rebuilt_number = -1
-        self._num_rebuilt = 0
         self._has_moved = False
 
     def take(self, event: Kept | Restart) -> Answer | None:
@@ -117,7 +114,6 @@ class LoopSession:
         if not self._rebuild.step(self._archive):
             return None
         done, self._rebuild = self._rebuild, None
-        self._num_rebuilt += 1
         self._mapped, self._rebuilt_number = done.corrections, self._number
         return Rebuilt(self._number, done.mapper, done.corrections)
 
@@ -136,7 +132,7 @@ class LoopSession:
     def _state(self) -> GraphState:
         refused = sum(self._closer.refused.values())
         num_nodes, num_loops = len(self._closer.frames), self._closer.num_loops
-        return GraphState(self._number, num_nodes, num_loops, refused, self._num_rebuilt)
+        return GraphState(self._number, num_nodes, num_loops, refused)
 
 
 class _Rebuild:

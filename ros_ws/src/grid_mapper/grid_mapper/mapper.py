@@ -12,6 +12,9 @@ from grid_mapper.key_scans import KeyScans
 from grid_mapper.label_grid import LabelGrid
 from grid_mapper.localizer import ScanLocalizer, ScanResult
 from grid_mapper.log_odds import LogOddsGrid
+from grid_mapper.map_surfaces import surfaces_of
+from grid_mapper.scan_matcher import ScanMatcher
+from grid_mapper.start_map import StartMap, known_cells
 
 
 class GridMapper:
@@ -23,16 +26,29 @@ class GridMapper:
         num_key_scans: Scans that entered the grid.
     """
 
-    def __init__(self, config: GridMapperConfig, T_map_start: SE2 | None = None) -> None:
-        """Start with an empty map; `T_map_start` is the first pose, the map's origin by default."""
+    def __init__(
+        self, config: GridMapperConfig, T_map_start: SE2 | None = None,
+        start: StartMap | None = None, is_frozen: bool = False,
+    ) -> None:  # fmt: skip
+        """Start with a map, an empty one by default.
+
+        Args:
+            config: Its values.
+            T_map_start: The first pose, the map's origin by default; with a map to begin with it
+                is not known before `relocate`.
+            start: The map to begin with.
+            is_frozen: Whether it is to stay as it is.
+        """
         self.config = config
-        self._T_map_start = T_map_start
+        self._T_map_start, self._start, self._is_frozen = T_map_start, start, is_frozen
         self.reset()
 
     def reset(self) -> None:
         """Forget the map and the pose."""
         config = self.config
-        self._localizer = ScanLocalizer(config, self._T_map_start)
+        matcher = ScanMatcher(config.matcher)
+        frozen = self._is_frozen
+        self._localizer = ScanLocalizer(config, self._T_map_start, matcher, frozen)
         self._keys = KeyScans()
         self.num_key_scans = 0
         self.grid: LabelGrid | LogOddsGrid = (
@@ -40,6 +56,10 @@ class GridMapper:
             if config.grid == "label"
             else LogOddsGrid(config.log_odds, config.resolution_m)
         )
+        if self._start is not None:
+            matcher.insert(surfaces_of(self._start.laser), SE2.identity())
+            self.grid.begin_with(*known_cells(self._start.occupancy, config.resolution_m))
+            self.lose()
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Go on with other values; those marked read-only stay as they were."""
@@ -75,6 +95,10 @@ class GridMapper:
         """Go on from another pose; see `ScanLocalizer.relocate`."""
         self._localizer.relocate(T_map_base, cov)
 
+    def lose(self) -> None:
+        """Follow odometry alone until `relocate`; see `ScanLocalizer.lose`."""
+        self._localizer.lose()
+
     def break_motion(self) -> None:
         """Forget the motion so far: time or odometry jumped. The map and the pose stay."""
         self._localizer.break_motion()
@@ -94,6 +118,8 @@ class GridMapper:
 
     def _map(self, stamp_ns: int, scan: Scan, T_map_base: SE2, T_base_laser: SE2) -> None:
         """Add a key scan to the grid."""
+        if self._is_frozen:
+            return
         if self._keys.take(stamp_ns, T_map_base, self.config.map_key):
             self.grid.add_scan(scan, T_map_base @ T_base_laser)
             self.num_key_scans += 1

@@ -46,6 +46,15 @@ class GridMapperNodeConfig:
         1.0, "The map is published at most this often.", unit="s", gt=0.0, read_only=True
     )
     map_file: str = param("", "Where ~/save_map writes, without ending; empty for a new name.")
+    start_map: str = param(
+        "",
+        "Map to begin with (YAML of map_server); the robot is looked for near initialpose or "
+        "anywhere. Empty for a map of its own.",
+        read_only=True,
+    )
+    keep_start_map: bool = param(
+        False, "Only localize in start_map: nothing is written into it.", read_only=True
+    )
     map_mode: str = param(
         "trinary", "What ~/save_map keeps of a cell.", choices=("trinary", "scale", "raw")
     )
@@ -60,5 +69,9 @@ class GridMapperNodeConfig:
             raise ValueError(
                 "use_scan false needs pose_source tf: without scans nothing here finds the pose"
             )
+        if self.keep_start_map and not self.start_map:
+            raise ValueError("keep_start_map needs a start_map")
+        if self.start_map and self.pose_source != "icp":
+            raise ValueError("start_map needs pose_source icp: else poses come from TF")
         if len(set(self.sonar_topics)) != len(self.sonar_topics):
             raise ValueError(f"sonar_topics must differ, got {list(self.sonar_topics)}")

@@ -64,6 +64,12 @@ class TileGrid:
         """Make the tiles along straight rays exist; see `missing_on_rays`."""
         self.ensure_tiles(missing_on_rays(origin, angles, lengths, self.table, self.corner))
 
+    def write(self, name: str, cells: np.ndarray, values: np.ndarray) -> None:
+        """Set one field of cells (row, col), shape (N, 2), int64, to values, shape (N,)."""
+        self.ensure_tiles(np.unique(cells >> TILE_BITS, axis=0))
+        slots = self.table[tuple(((cells >> TILE_BITS) - self.corner).T)]
+        self.fields[name][slots, cells[:, 0] & TILE_MASK, cells[:, 1] & TILE_MASK] = values
+
     def tile_corners(self) -> np.ndarray:
         """Return (row, col) of the first cell of every stored tile in slot order, shape (N, 2)."""
         rows, cols = np.nonzero(self.table != NO_TILE)

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
+from floornav_common.grid import OccupancyMap
 from floornav_common.readings import RangeReading
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
+from grid_mapper.correlative_search import find_peaks
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.relocalizer import Look, NewMap, Relocalizer
 
 
-def compile_kernels(fusion: str = "overlay") -> None:
+def compile_kernels(fusion: str = "overlay", has_loops: bool = False) -> None:
     """Map two scans and echoes in a square by both grid rules; compiled code is kept on disk.
 
     Args:
         fusion: Method whose kernels are wanted.
+        has_loops: Whether those of closing loops and of finding a lost robot are wanted too.
     """
     angles = np.linspace(-np.pi, np.pi, 180, endpoint=False)
     ranges = 2.0 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
@@ -28,6 +32,17 @@ def compile_kernels(fusion: str = "overlay") -> None:
             mapper.insert_scan(step, scan, here, SE2(0.5 * step, 0.0, 0.0))
         _hear_a_pane(mapper)
         mapper.layers()
+    if has_loops:
+        _compare_places(scan, mapper.laser_map())
+
+
+def _compare_places(scan: Scan, grid: OccupancyMap) -> None:
+    """Look for a scan where it was taken, as loops are closed and lost robots are found."""
+    here, config = SE2.identity(), GridMapperConfig()
+    find_peaks(scan.points(), scan.points(), here, (0.4, 0.2), 1)
+    relocalizer = Relocalizer(config)
+    relocalizer.take(NewMap(grid))
+    relocalizer.take(Look(0, scan, here, here))
 
 
 def _hear_a_pane(mapper: LayeredMapper) -> None:

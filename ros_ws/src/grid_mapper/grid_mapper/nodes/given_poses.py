@@ -65,6 +65,9 @@ class GivenPoses:
     def lose(self) -> None:
         """Do nothing: the pose is somebody else's."""
 
+    def close(self) -> None:
+        """Do nothing."""
+
     def publish_path(self, stamp: Any) -> None:
         """Do nothing: the way is somebody else's."""
 

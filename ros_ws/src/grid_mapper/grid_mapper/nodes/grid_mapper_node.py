@@ -25,8 +25,8 @@ from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from grid_mapper.glass_files import SUFFIXES, save_layers
 from grid_mapper.map_files import free_prefix
 from grid_mapper.nodes.given_poses import GivenPoses
-from grid_mapper.nodes.loop_status import make_mapper
 from grid_mapper.nodes.map_outputs import MapOutputs
+from grid_mapper.nodes.mapper_choice import make_mapper, make_recovery, read_start_map
 from grid_mapper.nodes.matched_poses import MatchedPoses
 from grid_mapper.nodes.sonar_inputs import SonarInputs
 from grid_mapper.warm_up import compile_kernels
@@ -45,10 +45,16 @@ class GridMapperNode(FloornavNode):
         self._warnings = Throttle(WARN_PERIOD_NS)
         has_own_poses = config.pose_source == "icp"
         mapper_config = declare_config(self, GridMapperConfig, on_change=self._tune)
-        self._mapper = make_mapper(self, mapper_config, has_own_poses)
+        start = read_start_map(config)
+        self._mapper = make_mapper(self, mapper_config, has_own_poses, start, config.keep_start_map)
         self._maps = MapOutputs(self, has_own_poses, config.reference_map, self._warn)
-        poses = MatchedPoses if has_own_poses else GivenPoses
-        self._poses = poses(self, self._mapper, config, self._warn)
+        self._maps.has_news = start is not None
+        self._poses: MatchedPoses | GivenPoses
+        if has_own_poses:
+            recovery = make_recovery(mapper_config, start, lambda: self._maps.laser_map)
+            self._poses = MatchedPoses(self, self._mapper, config, recovery, self._warn)
+        else:
+            self._poses = GivenPoses(self, self._mapper, config, self._warn)
         self._sonars = SonarInputs(
             self, config.sonar_topics, self._poses.sonar_frame, self._poses.on_range, self._warn,
             lambda: self._mapper.sonar_counts,
@@ -58,11 +64,12 @@ class GridMapperNode(FloornavNode):
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_timer(config.map_period_s, self._publish_map)
         self.diagnostics.add("mapping", self._poses.status)
-        self.ready(lambda: compile_kernels(self._mapper.config.fusion))
+        self.ready(lambda: compile_kernels(mapper_config.fusion, has_loops=has_own_poses))
 
     def destroy_node(self) -> None:
         """Let no map be made while publishers go."""
         self._maps.close()
+        self._poses.close()
         if isinstance(self._mapper, ClosingMapper):
             self._mapper.close()
         super().destroy_node()
@@ -102,10 +109,12 @@ class GridMapperNode(FloornavNode):
         self._poses.forget()
         self._poses.lose()
         self._num_published = 0
+        self._maps.has_news = bool(self._config.start_map)
         stamp = self.get_clock().now().to_msg()
         self._maps.publish_nothing_known(self._mapper.config.resolution_m, stamp)
         self._poses.publish_path(stamp)
-        response.success, response.message = True, "map and trajectory are empty"
+        what = "the map is as at the start" if self._config.start_map else "the map is empty"
+        response.success, response.message = True, f"{what}, the trajectory is empty"
         return response
 
     def _warn(self, text: str) -> None:

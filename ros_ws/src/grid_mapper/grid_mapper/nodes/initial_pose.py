@@ -5,26 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from floornav_common.ros import messages
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import RELIABLE_QOS, create_subscription
-from grid_mapper.closing_mapper import ClosingMapper
-from grid_mapper.layers import LayeredMapper
+from floornav_common.se2 import SE2
+
+OnPose = Callable[[SE2, np.ndarray], None]
 
 
 class InitialPose:
-    """Moves the robot in the map that is there; what is no pose in the map frame is refused."""
+    """Calls back with a pose and its covariance; what is no pose in the map frame is refused."""
 
-    def __init__(
-        self,
-        node: FloornavNode,
-        mapper: LayeredMapper | ClosingMapper,
-        warn: Callable[[str], None],
-    ) -> None:
+    def __init__(self, node: FloornavNode, on_pose: OnPose, warn: Callable[[str], None]) -> None:
         """Subscribe."""
-        self._frame, self._mapper, self._warn = node.frames.map, mapper, warn
+        self._frame, self._take, self._warn = node.frames.map, on_pose, warn
         create_subscription(
             node, PoseWithCovarianceStamped, "initialpose", self._on_pose, RELIABLE_QOS
         )
@@ -35,6 +32,6 @@ class InitialPose:
             return
         try:
             pose = messages.pose_to_se2(msg.pose.pose)
-            self._mapper.relocate(pose, messages.ros_cov_to_se2(msg.pose.covariance))
+            self._take(pose, messages.ros_cov_to_se2(msg.pose.covariance))
         except ValueError as error:
             self._warn(f"initialpose refused: {error}")

@@ -35,7 +35,8 @@ class MapOutputs:
         warn: Called with what to say, throttled.
 
     Attributes:
-        has_news: True when the glass has to be published anew, for the reference map changed.
+        has_news: True when maps have to be published anew though nothing was mapped.
+        laser_map: What the laser alone says, as last published; None before.
     """
 
     def __init__(
@@ -44,6 +45,7 @@ class MapOutputs:
         """Make the publishers, and listen for the reference map."""
         self._node, self._warn = node, warn
         self.has_news = False
+        self.laser_map: OccupancyMap | None = None
         self._thread = ThreadPoolExecutor(1, "maps")
         self._making: Future[None] | None = None
         self._lock, self._generation = Lock(), 0
@@ -74,6 +76,7 @@ class MapOutputs:
         nothing = empty_map(resolution)
         with self._lock:
             self._generation += 1
+        self.laser_map = None
         for name in self._publishers:
             on_reference = name == "map/glass" and self._reference is not None
             cells = obstacles_on(nothing, self._reference) if on_reference else nothing
@@ -87,6 +90,7 @@ class MapOutputs:
 
     def _make(self, moment: LayersMoment, stamp: Any, generation: int) -> None:
         layers, reference = moment.layers(), self._reference
+        self.laser_map = layers.laser
         self._send("map", layers.occupancy, stamp, generation)
         self._send("map/laser", layers.laser, stamp, generation)
         self._send("map/sonar", layers.sonar, stamp, generation)

@@ -1,0 +1,302 @@
+"""Finding a robot in a map that is there: from anywhere, or from about where it is said to be.
+
+Every look (a scan taken apart from the last) is searched for in the whole map, and what was found
+before is moved on by odometry and fitted again: a place counts by how all looks of late fit there,
+as seen from it by odometry. It is believed once two looks at least fit well, the map's walls are
+not seen through, nothing in the map is left that fits about as well, and the looks say where they
+are in every direction. Until then the robot has to drive on: like rooms differ somewhere.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from floornav_common.grid import OccupancyMap
+from floornav_common.scan import Scan
+from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.correlative_search import find_peaks, is_same_peak
+from grid_mapper.global_search import GlobalSearch
+from grid_mapper.key_frames import KeyFrame
+from grid_mapper.localizer import points_of
+from grid_mapper.loop_verification import seen_through
+from grid_mapper.map_surfaces import round_place
+from grid_mapper.motion import odometry_motion, rotated
+from grid_mapper.scan_matcher import MatchResult, ScanMatcher
+from grid_mapper.surface_points import SurfacePoints
+
+MAX_LOOKS = 6
+MAX_PLACES = 40
+SEARCH_SHARE = 0.7
+"""Places where a look fits by this share of the best are fitted closely."""
+MIN_QUALITY = 0.05
+BETTER = 0.02
+ENOUGH = 0.35
+"""A place that fits all looks together by less than this share of the best is out."""
+START_COV = np.diag([0.1, 0.1, 0.05]) ** 2
+SURROUNDINGS_M = 15.0
+SIGMAS = 3.0
+MAX_WINDOW_M = 8.0
+SLACK_M, SLACK_RAD = 0.1, 0.1
+
+
+@dataclass(frozen=True)
+class Prior:
+    """About where somebody says the robot is: `T_map_base` at a look, with its covariance."""
+
+    T_map_base: SE2
+    cov: np.ndarray
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """How far to each side (m) and how far round (rad) it may be."""
+        sigma = np.sqrt(np.diag(self.cov))
+        reach = min(SIGMAS * float(sigma[:2].max()) + SLACK_M, MAX_WINDOW_M)
+        return reach, min(SIGMAS * float(sigma[2]), float(np.pi))
+
+    def has(self, pose: SE2) -> bool:
+        """Tell whether a pose is one that it allows."""
+        off, (reach, turn) = self.T_map_base.between(pose), self.window
+        return off.distance <= np.sqrt(2.0) * reach and abs(off.yaw) <= turn + SLACK_RAD
+
+
+@dataclass(frozen=True)
+class Look:
+    """A scan of a robot that does not know where it is.
+
+    Attributes:
+        number: Given back with the answer.
+        scan: In the laser's frame, its ranges clipped.
+        T_base_laser: Pose of the laser on the robot.
+        T_odom_base: Odometry at the scan.
+        prior: About where it is; None for anywhere.
+    """
+
+    number: int
+    scan: Scan
+    T_base_laser: SE2
+    T_odom_base: SE2
+    prior: Prior | None = None
+
+
+@dataclass(frozen=True)
+class NewMap:
+    """The map to look in from now on; what was looked at before is forgotten."""
+
+    grid: OccupancyMap
+
+
+@dataclass(frozen=True)
+class Forget:
+    """Says that the robot may be elsewhere now: looks of before count no longer."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where the robot was at a look.
+
+    Attributes:
+        number: Of the look.
+        T_map_base: The pose.
+        cov: Of (x, y, yaw) in map axes, shape (3, 3).
+        seen: Surfaces of the map round it, in the map frame.
+    """
+
+    number: int
+    T_map_base: SE2
+    cov: np.ndarray
+    seen: SurfacePoints
+
+
+@dataclass(frozen=True)
+class NotFound:
+    """Why a look was not enough."""
+
+    number: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """How one look fits at a place: its pose there, overlap times agreement, and so on."""
+
+    match: MatchResult
+    contradiction: float
+
+    @property
+    def quality(self) -> float:
+        return self.match.overlap * self.match.agreement * (1.0 - self.contradiction)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the robot may be: its pose at the newest look, and the fits of all looks."""
+
+    pose: SE2
+    fits: tuple[_Fit, ...]
+
+    @property
+    def log_quality(self) -> float:
+        """Of all looks together: each counts by itself, so one that does not fit is enough."""
+        return float(np.sum(np.log([max(fit.quality, MIN_QUALITY) for fit in self.fits])))
+
+
+class Relocalizer:
+    """Looks for a robot; work for a `background.Worker`."""
+
+    has_work = False
+
+    def __init__(self, config: GridMapperConfig) -> None:
+        self._config = config
+        self._search: GlobalSearch | None = None
+        self._forget()
+
+    def take(self, message: Look | NewMap | Forget) -> Found | NotFound | None:
+        """Take a map or a look; answer a look."""
+        if isinstance(message, NewMap):
+            self._search = GlobalSearch(message.grid)
+            self._matcher = ScanMatcher(self._config.matcher)
+            self._matcher.insert(self._search.surfaces, SE2.identity())
+            self._forget()
+            return None
+        if isinstance(message, Forget):
+            self._forget()
+            return None
+        return self._look(message)
+
+    def work(self) -> None:
+        """Do nothing: a look is answered at once."""
+
+    def best_at_once(self, points: SurfacePoints, is_fitted: bool) -> SE2 | None:
+        """Return where points fit best in the whole map, believed or not.
+
+        Args:
+            points: In the robot's frame.
+            is_fitted: Whether to fit them there; else the pose of the search as it is.
+        """
+        peaks = self._search.find(points.points, 1.0, 1) if self._search is not None else []
+        if not peaks or not is_fitted:
+            return peaks[0].pose if peaks else None
+        return self._matcher.match(points, peaks[0].pose, START_COV).T_map_base
+
+    def _forget(self) -> None:
+        self._looks: deque[tuple[Look, KeyFrame]] = deque(maxlen=MAX_LOOKS)
+        self._places: list[_Place] = []
+
+    def _look(self, look: Look) -> Found | NotFound:
+        if self._search is None:
+            return NotFound(look.number, "there is no map yet")
+        points = points_of(look.scan, look.T_base_laser, self._config.matcher)
+        if len(points) < self._config.min_pairs:
+            return NotFound(look.number, f"the scan has {len(points)} points")
+        self._follow(look)
+        frame = KeyFrame(0, SE2.identity(), np.zeros((3, 3)), points, look.scan, look.T_base_laser)
+        self._looks.append((look, frame))
+        starts = self._starts(points, look)
+        places = [self._place(pose) for pose in starts]
+        share = max(self._config.relocation.rival_share ** len(self._looks), ENOUGH)
+        self._places = _distinct(places, share)
+        believable = [p for p in self._places if look.prior is None or look.prior.has(p.pose)]
+        if not believable:
+            return NotFound(look.number, "the scan does not fit where the robot is said to be")
+        best = believable[0]
+        reason = self._objection(look, best, len(believable) - 1)
+        if reason:
+            return NotFound(look.number, reason)
+        seen = round_place(self._search.surfaces, best.pose.x, best.pose.y, SURROUNDINGS_M)
+        return Found(look.number, best.pose, self._cov(best), seen)
+
+    def _follow(self, look: Look) -> None:
+        """Move the places found before on by odometry."""
+        if not self._looks:
+            return
+        moved = self._looks[-1][0].T_odom_base.between(look.T_odom_base)
+        self._places = [_Place(place.pose @ moved, place.fits) for place in self._places]
+
+    def _starts(self, points: SurfacePoints, look: Look) -> list[SE2]:
+        """Return where the robot may be: where this look fits, and where those before did."""
+        assert self._search is not None
+        peaks = self._search.find(points.points, SEARCH_SHARE, MAX_PLACES)
+        if look.prior is not None:
+            at, window = look.prior.T_map_base, look.prior.window
+            near = round_place(self._search.surfaces, at.x, at.y, SURROUNDINGS_M + window[0])
+            peaks = find_peaks(near.points, points.points, at, window, MAX_PLACES) + peaks
+        starts = [place.pose for place in self._places]
+        for peak in peaks:
+            if all(not is_same_peak(peak.pose, other) for other in starts):
+                starts.append(peak.pose)
+        return starts
+
+    def _place(self, pose: SE2) -> _Place:
+        """Return how all looks of late fit if the newest was taken about here."""
+        newest, fits = self._looks[-1][0], []
+        refined = pose
+        for look, frame in reversed(self._looks):
+            moved = newest.T_odom_base.between(look.T_odom_base)
+            match = self._matcher.match(frame.points, refined @ moved, START_COV)
+            if look is newest:
+                refined = match.T_map_base
+            fits.append(_Fit(match, self._contradiction(frame, match.T_map_base)))
+        return _Place(refined, tuple(fits))
+
+    def _contradiction(self, frame: KeyFrame, pose: SE2) -> float:
+        """Return the share of the map's walls that a scan sees through."""
+        assert self._search is not None
+        near = round_place(self._search.surfaces, pose.x, pose.y, SURROUNDINGS_M)
+        return seen_through(frame, near.moved(pose.inverse()))
+
+    def _objection(self, look: Look, best: _Place, num_rivals: int) -> str:
+        """Return why the best place is not believed; "" if it is."""
+        config = self._config.relocation
+        matches = [fit.match for fit in best.fits]
+        overlap = float(np.mean([m.overlap for m in matches]))
+        agreement = float(np.mean([m.agreement for m in matches]))
+        through = float(np.mean([fit.contradiction for fit in best.fits]))
+        if min(overlap, matches[0].overlap + 0.1) < config.min_overlap:
+            return f"at best {100 * overlap:.0f} % of the scan fits the map"
+        if min(agreement, matches[0].agreement + 0.1) < config.min_agreement:
+            return f"what is near the map does not lie on it: agreement {agreement:.2f}"
+        if through > config.max_contradiction:
+            return f"{100 * through:.0f} % of the map's walls are seen through"
+        if num_rivals:
+            return f"fits about as well at {num_rivals} other places: drive on"
+        if self._places[0].log_quality > best.log_quality + BETTER:
+            return "fits better elsewhere than where the robot is said to be"
+        sigma = float(np.sqrt(np.linalg.eigvalsh(self._cov(best)[:2, :2]).max()))
+        if sigma > config.max_sigma_m:
+            return f"the scans leave a direction open ({sigma:.2f} m): drive on"
+        if look.prior is None and self._way() < config.way_m:
+            return f"fits at one place; a second look {config.way_m:g} m on has to say so too"
+        return ""
+
+    def _way(self) -> float:
+        """Return how far apart the looks were taken, m; a radian counts as one."""
+        newest = self._looks[-1][0].T_odom_base
+        moved = [newest.between(look.T_odom_base) for look, _ in self._looks]
+        return max(m.distance + abs(m.yaw) for m in moved)
+
+    def _cov(self, place: _Place) -> np.ndarray:
+        """Return the covariance of a place: what its newest look's match says, and odometry."""
+        information = np.linalg.inv(np.diag([1.0, 1.0, 0.5]))
+        newest = self._looks[-1][0]
+        pairs = zip(place.fits, reversed(self._looks), strict=True)
+        for fit, (look, _) in pairs:
+            moved = newest.T_odom_base.between(look.T_odom_base)
+            drift = rotated(odometry_motion(moved, self._config.motion), fit.match.T_map_base.yaw)
+            own = fit.match.information + 1e-3 * np.eye(3)
+            information += np.linalg.inv(np.linalg.inv(own) + drift)
+        return np.asarray(np.linalg.inv(information))
+
+
+def _distinct(places: list[_Place], share: float) -> list[_Place]:
+    """Return places, the best first, none near a better one or far worse than the best."""
+    kept: list[_Place] = []
+    for place in sorted(places, key=lambda place: -place.log_quality):
+        if kept and place.log_quality < kept[0].log_quality + np.log(share):
+            break
+        if all(not is_same_peak(place.pose, other.pose) for other in kept):
+            kept.append(place)
+    return kept[:MAX_PLACES]

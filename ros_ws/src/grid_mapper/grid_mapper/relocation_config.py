@@ -1,0 +1,46 @@
+"""Values of finding a robot in a map; a default stands here and nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from floornav_common.config import param, validate
+
+
+@dataclass(frozen=True, kw_only=True)
+class RelocationConfig:
+    """When a place in a map is believed to be where a lost robot is."""
+
+    look_distance_m: float = param(
+        0.3, "A lost robot looks again when it has moved this far.", unit="m", gt=0.0
+    )
+    look_turn_rad: float = param(
+        0.3, "A lost robot looks again when it has turned this far.", unit="rad", gt=0.0
+    )
+    way_m: float = param(
+        0.5,
+        "Looks have to be this far apart before a place is believed (a radian counts as a meter); "
+        "not where somebody says about where the robot is.",
+        unit="m", ge=0.0,
+    )  # fmt: skip
+    min_overlap: float = param(
+        0.75, "A place where less of the scans is near the map is not believed.", ge=0.0, le=1.0
+    )
+    min_agreement: float = param(
+        0.6, "A place where what is near fits worse (mean weight) is not believed.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
+    max_contradiction: float = param(
+        0.3, "A place where more of the map's walls are seen through is not believed.",
+        ge=0.0, le=1.0,
+    )  # fmt: skip
+    rival_share: float = param(
+        0.8, "A place is ambiguous while another fits by this share as well, look by look.",
+        gt=0.0, le=1.0,
+    )  # fmt: skip
+    max_sigma_m: float = param(
+        0.05, "A place less certain than this in some direction is not believed.", unit="m", gt=0.0
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)

@@ -1,0 +1,124 @@
+"""The mapping node over DDS closes a loop: pose, way and map before and after."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "grid_mapper"))
+
+from loop_builders import drifted, ring, round_the_ring
+from worlds import scan_at
+
+from floornav_common.se2 import SE2
+
+pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
+pytest.importorskip("gtsam", reason="loops are closed by gtsam")
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
+from nav_msgs.msg import OccupancyGrid  # noqa: E402
+from nav_msgs.msg import Path as PathMsg
+from robot_messages import statuses  # noqa: E402
+from test_grid_mapper import NODE, PERIOD_NS, READY_S, T0_NS, Robot  # noqa: E402
+
+from floornav_common.ros.messages import grid_from_msg, pose_to_se2  # noqa: E402
+from floornav_common.ros.qos import RELIABLE_QOS  # noqa: E402
+
+LAPS, NUM = 1.3, 150
+STANDING = 400
+ONE_LAP = round(NUM / LAPS)
+LASER = SE2(0.1, 0.0, 0.2)
+OK, WARN = b"\x00", b"\x01"
+
+
+class RingRobot(Robot):
+    """Drives round the ring; its wheels turn and stretch, its laser is short-sighted."""
+
+    def __init__(self, peer: Any, node: Any) -> None:
+        super().__init__(peer, node)
+        self.node_pid = node.process.pid
+        self.truth = round_the_ring(NUM, LAPS)
+        self.odometry = drifted(self.truth, 0.01, 1.05)
+        self.paths = peer.collect(PathMsg, "trajectory", RELIABLE_QOS)
+        self.said = peer.collect(DiagnosticArray, "/diagnostics", RELIABLE_QOS)
+        peer.wait_to_hear("trajectory", "/diagnostics")
+        node.wait_for("/trajectory is sent to 1")
+
+    def go_on(self, num: int) -> None:
+        """Send so many scans with their odometry, and wait for each pose."""
+        for _ in range(num):
+            k, stamp_ns = self.step, T0_NS + self.step * PERIOD_NS
+            rng = np.random.default_rng(k)
+            self.send(
+                scan_at(self.truth[k] @ LASER, ring(), 90, rng, sigma=0.03, range_max=4.0), stamp_ns
+            )
+            self.send_odometry(self.truth[0].between(self.odometry[k]), stamp_ns)
+            self.wait_for_pose(stamp_ns)
+            self.step += 1
+
+    def loops(self) -> dict[str, int]:
+        """Return the newest counts that the node said of its loops."""
+        said = statuses(self.said, "loops")
+        return {v.key: int(v.value) for v in said[-1].values} if said else {"loops closed": 0}
+
+    def revisit_error(self) -> float:
+        """Return the mean error of the newest trajectory's motions from lap to lap."""
+        rows = self.paths[-1].poses
+        msgs = {p.header.stamp.sec * 10**9 + p.header.stamp.nanosec: p for p in rows}
+        poses = {round((ns - T0_NS) / PERIOD_NS): pose_to_se2(p.pose) for ns, p in msgs.items()}
+        pairs = [(k, k + ONE_LAP) for k in poses if k + ONE_LAP in poses]
+        off = [
+            self.truth[i].between(self.truth[j]).between(poses[i].between(poses[j])).distance
+            for i, j in pairs
+        ]
+        assert len(off) > 10
+        return float(np.mean(off))
+
+
+@pytest.fixture
+def robot(start: Any, peer: Any) -> RingRobot:
+    parameters = (
+        "loop.recent_scans:=20", "map_period_s:=0.3", "transform_timeout_s:=2.0",
+        "scan_timeout_s:=1000.0",
+    )  # fmt: skip
+    words = [word for parameter in parameters for word in ("-p", parameter)]
+    node = start(*NODE, "--ros-args", *words)
+    node.wait_for("ready", READY_S)
+    return RingRobot(peer, node)
+
+
+def test_a_lap_is_closed_and_the_way_and_the_map_are_corrected(robot: RingRobot) -> None:
+    robot.go_on(ONE_LAP - 6)
+    assert robot.loops()["loops closed"] == 0
+    robot.go_on(NUM - ONE_LAP + 6)
+    # maps made anew come in with the next scans; the robot stands
+    robot.truth += STANDING * robot.truth[-1:]
+    robot.odometry += STANDING * robot.odometry[-1:]
+    while robot.loops()["maps made anew"] == 0 or robot.revisit_error() > 0.12:
+        robot.go_on(1)
+        robot.peer.spin(0.3)
+    assert robot.loops()["loops closed"] >= 1
+    assert statuses(robot.said, "loops")[-1].level == OK
+    maps: list[OccupancyGrid] = robot.maps
+    grids = [grid_from_msg(msg) for msg in (maps[len(maps) // 2], maps[-1])]
+    assert all(grid.cells.size > 1 for grid in grids)
+    gaps = np.diff([m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in maps])
+    assert (gaps >= 0.0).all()
+
+
+def test_a_background_that_dies_is_said_and_the_robot_goes_on(robot: RingRobot) -> None:
+    robot.go_on(5)
+    found = subprocess.run(
+        ["pgrep", "-P", str(robot.node_pid), "-f", "grid_mapper.background"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    os.kill(int(found.stdout.split()[0]), signal.SIGKILL)
+    robot.peer.spin_until(lambda: any(s.level == WARN for s in statuses(robot.said, "loops")[-1:]))
+    robot.go_on(5)
+    assert "no longer" in statuses(robot.said, "loops")[-1].message
