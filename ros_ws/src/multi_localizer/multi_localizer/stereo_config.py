@@ -29,12 +29,16 @@ class StereoMatcherConfig:
         ge=1,
         le=31,
     )
+    cut_median_px: int = param(
+        5, "interval_dp: side of the median window that takes texture away before intervals are "
+        "cut; odd, 1 for none.", unit="px", ge=1, le=15,
+    )  # fmt: skip
     cut_change: int = param(
-        25, "interval_dp: change of color from a column to the next that ends an interval, of 255.",
+        20, "interval_dp: change of color from a column to the next that ends an interval, of 255.",
         ge=1, le=255,
     )  # fmt: skip
     stretch: int = param(
-        15, "interval_dp: cost where the disparity changes by 1 from one column to the next.",
+        20, "interval_dp: cost where the disparity changes by 1 from one column to the next.",
         ge=0, le=10000,
     )  # fmt: skip
     hidden_score: float = param(
@@ -77,7 +81,7 @@ class StereoMatcherConfig:
             raise ValueError(
                 f"num_disparities must be a multiple of 16, got {self.num_disparities}"
             )
-        for name in ("support_rows", "median_px", "mean_px"):
+        for name in ("support_rows", "cut_median_px", "median_px", "mean_px"):
             if getattr(self, name) % 2 == 0:
                 raise ValueError(f"{name} must be odd, got {getattr(self, name)}")
         if self.large_step < self.small_step:

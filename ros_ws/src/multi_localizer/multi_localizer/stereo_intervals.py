@@ -7,8 +7,9 @@ image. An interval whose DP score is bad, or worse than that of others that want
 pixels, is hidden from the right camera and goes on as the interval before it (its left neighbor):
 what a nearer object hides from the right camera lies to its left.
 
-The paper's rule for cutting is in its reference 3, which the text does not contain; here a cut lies
-at every local maximum of the color gradient along the row above a threshold.
+The paper's rule for cutting is in its reference 3, which the text does not contain; its title says
+regions. Here a cut lies at every local maximum above a threshold of the color gradient along the
+row, in an image whose texture a median has taken away and left the edges (the caller's).
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def match_intervals(  # type: ignore[no-untyped-def]
         start: First row.
         stop: Row after the last one.
         costs: (H, W, D), uint8.
-        colors: Of the left image, (H, W, C), uint8.
+        colors: Of the left image without its texture, (H, W, C), uint8.
         threshold: Of the cuts.
         stretch: Cost of a disparity that changes by 1 from one column to the next.
         worst: An interval is hidden if its score, the mean cost a column, is above this.
@@ -82,19 +83,23 @@ def match_intervals(  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
 def match_interval(first, end, costs, stretch, sums, out):  # type: ignore[no-untyped-def]
-    """Fill in disparities of columns `first` to `end` of a row; return the sum of the best path."""
+    """Fill in disparities of columns `first` to `end` of a row; return what the best path matches.
+
+    That is the sum of its costs without the stretching: a wall seen at a steep angle matches well.
+    """
     for d in range(costs.shape[1]):
         sums[first, d] = costs[first, d]
     for x in range(first + 1, end):
         _extend(costs[x], sums[x - 1], stretch, sums[x])
     d = int(np.argmin(sums[end - 1]))
-    score = sums[end - 1, d]
+    score = 0
     for k in range(end - first - 1):
         x = end - 1 - k
         out[x] = d
+        score += np.int64(costs[x, d])
         d += _step_back(sums[x - 1], d, stretch)
     out[first] = d
-    return score
+    return score + np.int64(costs[first, d])
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)

@@ -96,8 +96,9 @@ class StereoMatcher:
         found = np.empty(costs.shape[:2], dtype=np.float32)
         is_hidden = np.empty(found.shape, dtype=bool)
         c = self.config
+        regions = cv2.medianBlur(left, c.cut_median_px) if c.cut_median_px > 1 else left
         self._over_rows(
-            match_intervals, len(found), costs, left.reshape(*found.shape, -1), c.cut_change,
+            match_intervals, len(found), costs, regions.reshape(*found.shape, -1), c.cut_change,
             np.int32(c.stretch), c.hidden_score, found, is_hidden,
         )  # fmt: skip
         return found
