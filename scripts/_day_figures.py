@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
 from _day_heard import Track, due_stamps, inputs_handled, pose_errors
 from _day_load import LoadMeter
+from _day_robot import OURS, pilot_of
 from _day_watch import DayWatch
 from _demo_report import OCCUPIED, in_world
 from experiments.glass_truth import distance_to_segments, outlines, pane_lines, samples
@@ -21,6 +24,7 @@ from sim_bridge.world import World
 
 NEAR_GLASS_M = 1.5
 _FOUND_M, _APART_M = 0.10, 0.10
+_UNDER_WAY_NS = 500_000_000  # the last of what is measured may be under way at the end
 LOCALIZERS = {"grid_mapper": True, "stereo_localizer": False}
 """Whether a localizer's map is the robot's own, which begins at the start pose."""
 
@@ -32,6 +36,7 @@ def day_figures(
     usual: GoalDrive | None,
     loads: LoadMeter,
     wall_s: float,
+    bag: Path,
 ) -> dict[str, Any]:
     """Return all figures; a localizer, node or run that is not there is null."""
     heard, start = watch.heard, world.robots[0].pose
@@ -43,7 +48,7 @@ def day_figures(
         "rtf": record.sim_s / wall_s if wall_s else None,
         "glass_recall": glass_recall(heard.grid, start, around.solids, record.way[:, 1:3]),
         "pose_error_m": {name: pose_errors(track, record.truth) for name, track in tracks.items()},
-        "inputs_handled": inputs_handled(*_inputs(model, watch)),
+        "inputs_handled": _shares(world, model, watch, bag),
         "latency_ms": watch.latencies.figures(),
         "load": {
             name: {"cpu_share": load.cpu_s / wall_s if wall_s else None, "rss_mb": load.rss_mb}
@@ -95,11 +100,39 @@ def glass_recall(
     return float((gaps <= _FOUND_M).mean())
 
 
-def _inputs(
-    model: RobotModel, watch: DayWatch
-) -> tuple[dict[str, set[int]], dict[str, set[int]], float | None]:
-    """Return stamps heard, stamps due, and the share of goals with a way."""
-    last_ns = round(watch.heard.record.sim_s * 1e9) - 500_000_000  # the last may be under way
+def _shares(world: World, model: RobotModel, watch: DayWatch, bag: Path) -> dict[str, float | None]:
+    """Return the share of its inputs that each node handled.
+
+    For local_planner: commands over control periods since the first goal; for record: scans in the
+    bag.
+    """
+    heard, counts = watch.heard, watch.latencies.counts
+    due = _due(model, round(heard.record.sim_s * 1e9) - _UNDER_WAY_NS)
+    num_sent = min(watch.goals.number + 1, heard.record.num_goals)
+    ways = watch.goals.num_with_way / num_sent if num_sent > 0 else None
+    periods = heard.record.sim_s / pilot_of(world, model, OURS).planner.control_period_s
+    return {
+        **inputs_handled(watch.latencies.stamps, due, ways),
+        "local_planner": min(counts["cmd_vel"] / periods, 1.0) if periods else None,
+        "record": recorded_share(bag, "/scan", len(due["scan"])),
+    }
+
+
+def recorded_share(bag: Path, topic: str, num_due: int) -> float | None:
+    """Return how many of a topic's messages are in a bag, as a share; None without a bag."""
+    path = bag / "metadata.yaml"
+    if not path.exists() or not num_due:
+        return None
+    info = yaml.safe_load(path.read_text())["rosbag2_bagfile_information"]
+    counts = {
+        item["topic_metadata"]["name"]: item["message_count"]
+        for item in info["topics_with_message_count"]
+    }
+    return min(counts.get(topic, 0) / num_due, 1.0)
+
+
+def _due(model: RobotModel, last_ns: int) -> dict[str, set[int]]:
+    """Return what sensors gave up to an instant, by name."""
     config, due = model.config, {}
     assert config.laser is not None
     due["scan"] = due_stamps(config.laser.period_s, 0, last_ns)
@@ -107,9 +140,7 @@ def _inputs(
         due["omni"] = due_stamps(config.omni.period_s, 0, last_ns)
     for pair in () if config.stereo is None else config.stereo.pairs:
         due[pair] = due_stamps(config.stereo.period_s, 0, last_ns)
-    num_sent = min(watch.goals.number + 1, watch.heard.record.num_goals)
-    ways = watch.goals.num_with_way / num_sent if num_sent > 0 else None
-    return dict(watch.latencies.stamps), due, ways
+    return due
 
 
 def _baseline(usual: GoalDrive, around: Surroundings, start: SE2) -> dict[str, Any]:

@@ -42,6 +42,7 @@ class DayHeard:
         poses: Poses by localizer, each in its own map's frame.
         grid: The newest map.
         glass: The newest layer of glass.
+        maps: (stamp_ns, map, glass) as they came.
         shots: Pictures.
     """
 
@@ -50,6 +51,7 @@ class DayHeard:
     poses: dict[str, Track] = field(default_factory=dict)
     grid: OccupancyMap | None = None
     glass: OccupancyMap | None = None
+    maps: list[tuple[int, OccupancyMap, OccupancyMap | None]] = field(default_factory=list)
     shots: list[Shot] = field(default_factory=list)
 
 

@@ -97,7 +97,7 @@ def write_zones(
         above.axhline(radius, color="#555555", ls=style, lw=1.0, label=f"{name} {radius:g} m")
     _draw_states(above, record)
     above.set(ylabel="distance [m]", ylim=(0.0, max(zones.values(), default=4.0) * 1.15))
-    above.legend(loc="upper right", ncols=9, frameon=False, fontsize=8)
+    figure.legend(loc="outside upper center", ncols=11, frameon=False, fontsize=8)
     way = record.way
     if len(way) > 10:
         moved = np.hypot(*(way[10:, 1:3] - way[:-10, 1:3]).T) / (way[10:, 0] - way[:-10, 0])

@@ -9,23 +9,26 @@ from grid_mapper.config import GridMapperConfig, KeyScanConfig
 from sim_bridge.robot_model import RobotModel
 from sim_bridge.world import World
 from sjmc_planner.config import LocalPlannerConfig, RobotConfig
+from sjmc_planner.histogram_config import HistogramConfig
 from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.wavefront_config import WavefrontConfig
 
 OURS, USUAL = "sjmc", "vfh_plus"
 _IDLE_S, _ACCEL = 0.1, 0.6
 _MARGIN, _CIRCLE_MARGIN = 0.03, 0.04
-_LOOKAHEAD, _TOLERANCE = 0.7, 0.15
+_LOOKAHEAD, _TOLERANCE = {OURS: 0.7, USUAL: 1.0}, 0.15
 _MAP_AGAIN_S = 1.0
 _ROOMS = {"look_m": 1.5, "clearance_m": 0.15}  # rooms are small, and it drives slowly there
-_WAY = {"margin_m": 0.04, "near_m": 0.6, "near_weight": 8.0}
+_WINDOW_M = 1.2  # with more than that in view VFH+ passes by the doors
+_WAY = {"margin_m": 0.04, "near_m": 0.6, "near_weight": 8.0, "unknown_weight": 12.0}
 
 
 def pilot_of(world: World, model: RobotModel, method: str) -> Pilot:
     """Return what drives: `OURS` by the map with glass, any other by the laser's alone.
 
-    `sjmc` knows the robot's box. The others know a circle about the wheel axle; one that held the
-    whole robot would pass no door, so that they get the half width and a little more.
+    `sjmc` knows the robot's box. VFH+ knows a circle about the wheel axle; one that held the whole
+    robot would pass no door, so that it gets the half width and a little more. Of the circles,
+    windows and lookaheads tried on the first goal, these took it there soonest, untouched.
     """
     assert world.goals is not None
     corners = np.array(model.config.footprint_m)
@@ -42,8 +45,8 @@ def pilot_of(world: World, model: RobotModel, method: str) -> Pilot:
         accel_m_s2=_ACCEL, idle_time_s=_IDLE_S, **shape,
     )  # fmt: skip
     planner = LocalPlannerConfig(
-        method=method, robot=robot, lookahead_m=_LOOKAHEAD, goal_tolerance_m=_TOLERANCE,
-        sjmc=SjmcConfig(**_ROOMS),
+        method=method, robot=robot, lookahead_m=_LOOKAHEAD[method], goal_tolerance_m=_TOLERANCE,
+        sjmc=SjmcConfig(**_ROOMS), histogram=HistogramConfig(window_m=_WINDOW_M),
     )  # fmt: skip
     wavefront = WavefrontConfig(radius_m=half_width + _CIRCLE_MARGIN, **_WAY)
     # A robot that waits maps too, or who has left would stand in its map for good.

@@ -13,7 +13,8 @@ import numpy as np
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from _day_figures import day_figures
+from _day_figures import day_figures, surroundings
+from _day_film import Stage, write_film
 from _day_load import LoadMeter
 from _day_nodes import (
     STEREO_NODES,
@@ -96,10 +97,10 @@ class Day:
     def results(self) -> dict[str, Any]:
         """Return this run's keys of the summary; a touch is a problem too."""
         assert self._watch is not None
-        found = day_figures(
-            self._world, self._model, self._watch, self._usual, self._loads, self._wall_s
-        )
         bag = self._out / "bag"
+        found = day_figures(
+            self._world, self._model, self._watch, self._usual, self._loads, self._wall_s, bag
+        )
         if found["collisions"] and not self.problem:
             places = ", ".join(f"{t['what']} at {t['time_s']:.1f} s" for t in found["touched"])
             self.problem = f"the robot touched {places}"
@@ -112,9 +113,15 @@ class Day:
     def write(self, values: dict[str, Any]) -> None:
         """Write pictures and the page."""
         assert self._watch is not None
+        heard = self._watch.heard
         write_day(
             self._out, self._world, self._model, self._watch, self._usual, values, self.problem
         )
+        if self._args.film and heard.record.truth:
+            around = surroundings(self._world, self._model)
+            places = self._start @ self._goals
+            stage = Stage(around.solids, places, self._start, around.outline, around.torso_radius)
+            write_film(self._out / "film.gif", heard.record, heard.maps, stage)
 
     def _begin(self, children: Processes, watch: DayWatch, spin: Callable[[], None]) -> None:
         # The simulator comes last, and its time begins when all others listen.

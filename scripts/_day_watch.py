@@ -142,6 +142,8 @@ class DayWatch(Node):
         grid = grid_from_msg(msg)
         kept = OccupancyMap(grid.cells.copy(), grid.resolution, grid.origin)
         setattr(self.heard, layer, kept)
+        if layer == "grid":
+            self.heard.maps.append((stamp_to_ns(msg.header.stamp), kept, self.heard.glass))
 
     def _on_path(self, msg: Any) -> None:
         if msg.poses:

@@ -14,6 +14,7 @@ from floornav_common.reporting import UserError, say, write_atomic
 
 MAX_SIDE_PX = 1000
 MAX_BYTES = 150_000
+MAX_FILM_BYTES = 3_000_000
 COLOR_BITS = (5, 4, 3)
 JPEG_QUALITIES = (85, 75, 65)
 MARGIN_PX = 8
@@ -94,14 +95,19 @@ def with_bits(image: np.ndarray, bits: int) -> np.ndarray:
 
 
 def make_demo(pictures: Path) -> None:
-    """Run the demo without a window; keep its map as a picture.
+    """Run the demo without a window; keep its maps as a picture, and its film.
 
     Raises:
         UserError: If the demo fails.
     """
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "demo"
-        words = [sys.executable, str(DEMO), "--headless", "--out", str(out)]
-        if subprocess.run(words).returncode != 0:
-            raise UserError("the demo failed, so its picture stays as it was")
-        write_small(out / "map.png", pictures / "demo.png")
+        for world, picture in (("flat_day", "flat-day.png"), ("furnished_floor", "demo.png")):
+            out = Path(folder) / world
+            words = [sys.executable, str(DEMO), world, "--headless", "--film", "--out", str(out)]
+            if subprocess.run(words).returncode != 0:
+                raise UserError(f"the demo of {world} failed, so its picture stays as it was")
+            write_small(out / "map.png", pictures / picture)
+        film = (Path(folder) / "flat_day" / "film.gif").read_bytes()
+        if len(film) > MAX_FILM_BYTES:
+            raise UserError(f"the film holds {len(film) / 1e6:.1f} MB; at most 3 MB are wanted")
+        write_atomic(pictures / "flat-day.gif", film)

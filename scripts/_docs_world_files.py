@@ -27,7 +27,8 @@ SECTIONS: dict[str, type] = {
     "boxes, tables, shelves": Furniture, "columns": Column, "balls": Ball,
     "robots": RobotPlacement, "route": Route, "goals": Goals, "floor": Floor, "areas": Area,
     "lines": Line, "rings": Ring, "dirt": Dirt, "light": Light, "measures": Measure,
-    "people": WalkerPlan, "crowd": Crowd, "recorded_people": Recording, "people_model": PeopleConfig,
+    "people": WalkerPlan, "crowd": Crowd, "recorded_people": Recording,
+    "people_model": PeopleConfig,
 }  # fmt: skip
 """Headings of the page, and what is read there."""
 

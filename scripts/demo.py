@@ -180,8 +180,10 @@ def _parser() -> argparse.ArgumentParser:
         "0 = as fast as it goes)"
     )
     parser.add_argument("--rtf", type=_factor, default=None, metavar="F", help=text)
-    text = "record camera images too, with goals"
+    text = "record camera images too (with goals)"
     parser.add_argument("--images", action="store_true", help=text)
+    text = "write film.gif too (with goals)"
+    parser.add_argument("--film", action="store_true", help=text)
     add_common_options(parser)
     return parser
 

@@ -24,6 +24,15 @@ KEYS = (
     "odometry_final_error_m", "map_error_m", "map_found_share", "touched", "bag",
 )  # fmt: skip
 
+DAY_KEYS = (
+    "world", "goals", "reached", "collisions", "glass_touched", "stops_over_5s", "glass_recall",
+    "pose_error_m", "inputs_handled", "rtf", "baseline", "latency_ms", "load", "bag",
+)  # fmt: skip
+NODES = (
+    "grid_mapper", "wavefront_planner", "floor_detector", "marker_detector", "stereo_matcher",
+    "stereo_localizer",
+)  # fmt: skip
+
 
 def _start(*words: str) -> subprocess.Popen[str]:
     environ = {**os.environ, "FLOORNAV_ENV_READY": "1"}
@@ -58,6 +67,30 @@ def test_a_short_run_leaves_all_its_results(tmp_path: Path) -> None:
         assert (out / name).stat().st_size > 100, name
     assert (out / summary["bag"] / "metadata.yaml").exists()
     assert len((out / "trajectory.tum").read_text().splitlines()[0].split()) == 8
+
+
+def test_the_main_job_maps_localizes_plans_and_drives_beside_the_usual_robot(
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "out"
+    code, text = _run("--duration", "4", "--film", "--out", str(out))
+    assert code == 0, text
+    summary = json.loads((out / "summary.json").read_text())
+    assert set(DAY_KEYS) <= set(summary)
+    assert summary["world"] == "flat_day" and summary["ok"] and not summary["partial"]
+    assert summary["goals"] == 4 and summary["collisions"] == summary["glass_touched"] == 0
+    assert summary["sim_s"] >= 4.0 and summary["path_m"] > 0.2
+    assert summary["inputs_handled"].keys() >= set(NODES)
+    assert summary["inputs_handled"]["grid_mapper"] > 0.5
+    assert summary["inputs_handled"]["wavefront_planner"] == 1.0
+    assert summary["pose_error_m"]["grid_mapper"]["rms"] < 0.1
+    assert summary["baseline"]["path_m"] > 0.2 and summary["baseline"]["time_s"] >= 4.0
+    assert summary["load"].keys() >= {*NODES, "local_planner", "sim_bridge"}
+    assert summary["latency_ms"]["pose"]["p50_ms"] > 0.0
+    for name in ("map.png", "zones.png", "errors.png", "film.gif", "report.html"):
+        assert (out / name).stat().st_size > 1000, name
+    assert (out / summary["bag"] / "metadata.yaml").exists()
+    assert "floornav:" in text and "laser + VFH+:" in text
 
 
 def test_an_unknown_world_is_one_line_that_names_those_there_are() -> None:
