@@ -40,7 +40,7 @@ ROBOT = RobotConfig(
     half_width_m=0.28, speed_m_s=0.6, accel_m_s2=0.6, idle_time_s=0.1,
 )  # fmt: skip
 # A way is for what follows it: `sjmc` knows the robot's box, `vfh_plus` takes it for a circle.
-WAYS = {"sjmc": WavefrontConfig(radius_m=0.45), "vfh_plus": WavefrontConfig(radius_m=0.6)}
+WAYS = {"sjmc": WavefrontConfig(radius_m=0.45), "vfh_plus": WavefrontConfig(radius_m=0.57)}
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from sim_bridge.solids import Solid, solids_of
 from sim_bridge.world import Column, Door, Furniture, Point, RobotPlacement, Wall, World
 
 ROBOT_MODEL = "segway_rmp50"
-_DOORWAY_M, _SHUT_M = 1.5, 1.0
+_DOORWAY_M, _SHUT_M = 1.8, 1.0
 _CLEAR_M = 0.95  # from a start or a goal to anything
 _BESIDE_M = 1.25  # the last goal is no farther than this from glass
 _APART_M = 2.5  # from place to place
@@ -120,11 +120,13 @@ def _screen(a: Point, b: Point, rng: np.random.Generator, glass_share: float) ->
 
 
 def _pane(rng: np.random.Generator) -> Glass:
-    return Glass(thickness_m=float(rng.choice([0.006, 0.008, 0.010, 0.012])))
+    """Return glass from just cleaned to as dirty as the simulator's default."""
+    thickness, dirt = rng.choice([0.006, 0.008, 0.010, 0.012]), rng.choice([0.002, 0.005, 0.02])
+    return Glass(thickness_m=float(thickness), scatter_share=float(dirt))
 
 
 def _frame(rng: np.random.Generator) -> Frame:
-    spacing = float(rng.choice([0.0, 1.2, 1.5, 2.0]))
+    spacing = float(rng.choice([0.0, 1.5, 2.0]))
     return Frame(spacing_m=spacing, width_m=0.05, depth_m=0.06, rail_m=0.06)
 
 
