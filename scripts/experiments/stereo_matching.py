@@ -16,9 +16,10 @@ import cv2
 import numpy as np
 
 from experiments.stereo_measures import PAPER, DepthErrors, depth_of
-from experiments.stereo_pairs import judge_all, matchers, read_pair
+from experiments.stereo_pairs import judge_all, matchers, one_row_matchers, read_pair
 from experiments.stereo_views import StereoRoom, View
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError, say
+from multi_localizer.stereo_config import METHODS
 
 Values = dict[str, Any]
 _MEASURES = ("bad1", "bad2", "mean_px", "valid", "bad1_valid", "bad1_filled", "bad2_filled")
@@ -73,7 +74,7 @@ def _rendered(args: argparse.Namespace, values: Values) -> Section:
         "baseline_m": room.baseline_m, "fov_rad": room.fov_rad, "focal_px": room.focal_px,
         "farthest_m": room.farthest_m,
     }  # fmt: skip
-    methods = matchers(args.disparities)
+    methods = {**matchers(args.disparities), **one_row_matchers(args.disparities)}
     errors = {name: DepthErrors() for name in methods}
     pictures: list[Picture] = []
     with Progress("rendered pairs", args.views, is_quiet=args.quiet) as progress:
@@ -86,7 +87,8 @@ def _rendered(args: argparse.Namespace, values: Values) -> Section:
             for name, error in errors.items():
                 error.add(found[name], depths[name], view.depth)
             if k < 2:
-                pictures.append(_draw_view(args.out_dir / f"view_{k}.png", view, depths))
+                shown = {name: depths[name] for name in METHODS}
+                pictures.append(_draw_view(args.out_dir / f"view_{k}.png", view, shown))
             values["methods"] = {name: error.as_dict() for name, error in errors.items()}
             values["num_views"] = k + 1
             progress.update(k + 1)

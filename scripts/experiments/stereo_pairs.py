@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -107,6 +107,17 @@ def matchers(num_disparities: int) -> dict[str, Callable[[np.ndarray, np.ndarray
     """Return every method, as it is used on rendered and on real pairs alike."""
     configs = {m: StereoMatcherConfig(method=m, num_disparities=num_disparities) for m in METHODS}
     return {name: StereoMatcher(config).match for name, config in configs.items()}
+
+
+def one_row_matchers(
+    num_disparities: int,
+) -> dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]]:
+    """Return the published methods without the costs of the rows beside (`support_rows` 1)."""
+    config = StereoMatcherConfig(num_disparities=num_disparities, support_rows=1)
+    return {
+        f"{name}_one_row": StereoMatcher(replace(config, method=name)).match
+        for name in ("interval_dp", "monotone_dp")
+    }
 
 
 def judge_all(pair: Pair, num_disparities: int) -> Iterator[tuple[str, dict[str, Any], np.ndarray]]:
