@@ -227,6 +227,8 @@ class Sjmc:
     def _has_waited(self, ahead: InTheWay, moment: Moment) -> tuple[float, bool]:
         """Wait for the person ahead, or the nearest; return for how long, and if that is it."""
         people = moment.scene.people
+        if not len(people):
+            return 0.0, False  # it is slow for a thing
         who = ahead.who if ahead.who >= 0 else int(np.argmin(np.hypot(people[:, 0], people[:, 1])))
         number = int(moment.scene.number[who])
         waited = self._patience.wait(number)
