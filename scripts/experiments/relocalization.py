@@ -33,7 +33,8 @@ from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.localizer import points_of
-from grid_mapper.relocalizer import Forget, Found, Look, NewMap, Relocalizer
+from grid_mapper.relocalizer import Relocalizer
+from grid_mapper.relocation_messages import Forget, Found, Look, NewMap
 
 NUM_MAPS, NUM_PLACES, WAY_M = 5, 200, 6.0
 QUICK_MAPS, QUICK_PLACES = 2, 12

@@ -19,7 +19,8 @@ from grid_mapper.layers import LayeredMapper
 from grid_mapper.map_files import save_map
 from grid_mapper.overlay import on_cells_of
 from grid_mapper.recovery import Recovery
-from grid_mapper.relocalizer import Prior, Relocalizer
+from grid_mapper.relocalizer import Relocalizer
+from grid_mapper.relocation_messages import Prior
 from grid_mapper.start_map import StartMap, load_start_map
 
 CONFIG = GridMapperConfig()

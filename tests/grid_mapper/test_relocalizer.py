@@ -13,7 +13,8 @@ from grid_mapper.config import GridMapperConfig
 from grid_mapper.global_search import GlobalSearch
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.map_surfaces import surfaces_of
-from grid_mapper.relocalizer import Forget, Found, Look, NewMap, NotFound, Prior, Relocalizer
+from grid_mapper.relocalizer import Relocalizer
+from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound, Prior
 
 HERE = SE2.identity()
 CONFIG = GridMapperConfig()

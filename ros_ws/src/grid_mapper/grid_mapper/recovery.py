@@ -18,7 +18,7 @@ from grid_mapper.background import Worker
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.localizer import MIN_VARIANCE, VAGUE_SIGMAS
 from grid_mapper.motion import odometry_motion, rotated
-from grid_mapper.relocalizer import Forget, Found, Look, NewMap, NotFound, Prior
+from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound, Prior
 from grid_mapper.surface_points import SurfacePoints
 
 LOOKS_AT_PRIOR = 4

@@ -14,8 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floornav_common.grid import OccupancyMap
-from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.correlative_search import find_peaks, is_same_peak
@@ -25,6 +23,7 @@ from grid_mapper.localizer import points_of
 from grid_mapper.loop_verification import seen_through
 from grid_mapper.map_surfaces import round_place
 from grid_mapper.motion import odometry_motion, rotated
+from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound
 from grid_mapper.scan_matcher import MatchResult, ScanMatcher
 from grid_mapper.surface_points import SurfacePoints
 
@@ -38,85 +37,6 @@ ENOUGH = 0.35
 """A place that fits all looks together by less than this share of the best is out."""
 START_COV = np.diag([0.1, 0.1, 0.05]) ** 2
 SURROUNDINGS_M = 15.0
-SIGMAS = 3.0
-MAX_WINDOW_M = 8.0
-SLACK_M, SLACK_RAD = 0.1, 0.1
-
-
-@dataclass(frozen=True)
-class Prior:
-    """About where somebody says the robot is: `T_map_base` at a look, with its covariance."""
-
-    T_map_base: SE2
-    cov: np.ndarray
-
-    @property
-    def window(self) -> tuple[float, float]:
-        """How far to each side (m) and how far round (rad) it may be."""
-        sigma = np.sqrt(np.diag(self.cov))
-        reach = min(SIGMAS * float(sigma[:2].max()) + SLACK_M, MAX_WINDOW_M)
-        return reach, min(SIGMAS * float(sigma[2]), float(np.pi))
-
-    def has(self, pose: SE2) -> bool:
-        """Tell whether a pose is one that it allows."""
-        off, (reach, turn) = self.T_map_base.between(pose), self.window
-        return off.distance <= np.sqrt(2.0) * reach and abs(off.yaw) <= turn + SLACK_RAD
-
-
-@dataclass(frozen=True)
-class Look:
-    """A scan of a robot that does not know where it is.
-
-    Attributes:
-        number: Given back with the answer.
-        scan: In the laser's frame, its ranges clipped.
-        T_base_laser: Pose of the laser on the robot.
-        T_odom_base: Odometry at the scan.
-        prior: About where it is; None for anywhere.
-    """
-
-    number: int
-    scan: Scan
-    T_base_laser: SE2
-    T_odom_base: SE2
-    prior: Prior | None = None
-
-
-@dataclass(frozen=True)
-class NewMap:
-    """The map to look in from now on; what was looked at before is forgotten."""
-
-    grid: OccupancyMap
-
-
-@dataclass(frozen=True)
-class Forget:
-    """Says that the robot may be elsewhere now: looks of before count no longer."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """Where the robot was at a look.
-
-    Attributes:
-        number: Of the look.
-        T_map_base: The pose.
-        cov: Of (x, y, yaw) in map axes, shape (3, 3).
-        seen: Surfaces of the map round it, in the map frame.
-    """
-
-    number: int
-    T_map_base: SE2
-    cov: np.ndarray
-    seen: SurfacePoints
-
-
-@dataclass(frozen=True)
-class NotFound:
-    """Why a look was not enough."""
-
-    number: int
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -268,9 +188,21 @@ class Relocalizer:
         sigma = float(np.sqrt(np.linalg.eigvalsh(self._cov(best)[:2, :2]).max()))
         if sigma > config.max_sigma_m:
             return f"the scans leave a direction open ({sigma:.2f} m): drive on"
+        if self._disagreement(best) > config.agree_m:
+            return "the looks do not agree on the place"
         if look.prior is None and self._way() < config.way_m:
             return f"fits at one place; a second look {config.way_m:g} m on has to say so too"
         return ""
+
+    def _disagreement(self, place: _Place) -> float:
+        """Return how far the two newest looks are from each other, less what odometry errs, m."""
+        if len(self._looks) < 2:
+            return 0.0
+        earlier, newest = (look.T_odom_base for look, _ in list(self._looks)[-2:])
+        driven = earlier.between(newest)
+        first, second = (fit.match.T_map_base for fit in (place.fits[1], place.fits[0]))
+        off = driven.between(first.between(second)).distance
+        return off - self._config.motion.slip * (driven.distance + abs(driven.yaw))
 
     def _way(self) -> float:
         """Return how far apart the looks were taken, m; a radian counts as one."""

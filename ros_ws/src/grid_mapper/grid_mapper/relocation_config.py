@@ -27,7 +27,7 @@ class RelocationConfig:
         0.75, "A place where less of the scans is near the map is not believed.", ge=0.0, le=1.0
     )
     min_agreement: float = param(
-        0.6, "A place where what is near fits worse (mean weight) is not believed.",
+        0.7, "A place where what is near fits worse (mean weight) is not believed.",
         ge=0.0, le=1.0,
     )  # fmt: skip
     max_contradiction: float = param(
@@ -37,6 +37,10 @@ class RelocationConfig:
     rival_share: float = param(
         0.8, "A place is ambiguous while another fits by this share as well, look by look.",
         gt=0.0, le=1.0,
+    )  # fmt: skip
+    agree_m: float = param(
+        0.03, "Two looks whose places differ by more, beside what odometry errs, do not agree.",
+        unit="m", gt=0.0,
     )  # fmt: skip
     max_sigma_m: float = param(
         0.05, "A place less certain than this in some direction is not believed.", unit="m", gt=0.0

@@ -11,7 +11,8 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.correlative_search import find_peaks
 from grid_mapper.layers import LayeredMapper
-from grid_mapper.relocalizer import Look, NewMap, Relocalizer
+from grid_mapper.relocalizer import Relocalizer
+from grid_mapper.relocation_messages import Look, NewMap
 
 
 def compile_kernels(fusion: str = "overlay", has_loops: bool = False) -> None:

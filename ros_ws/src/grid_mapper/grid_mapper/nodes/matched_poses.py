@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from floornav_common.readings import RangeReading
 from floornav_common.ros import messages
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
@@ -22,10 +20,10 @@ from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.localizer import ScanResult
 from grid_mapper.nodes.initial_pose import InitialPose
+from grid_mapper.nodes.lost_robot import LostRobot
 from grid_mapper.nodes.pose_outputs import PoseOutputs
 from grid_mapper.nodes.scan_input import ScanInput
 from grid_mapper.recovery import Recovery
-from grid_mapper.relocalizer import Prior
 from grid_mapper.sonar_mount import level_sonar
 from grid_mapper.tracking import Tracking
 
@@ -36,6 +34,7 @@ class MatchedPoses:
     Attributes:
         sonar_frame: Frame that sonar readings are to be brought to.
         publish_path: Publishes the way so far, with a stamp.
+        close: Ends what runs in the background.
     """
 
     def __init__(
@@ -48,7 +47,8 @@ class MatchedPoses:
     ) -> None:
         """Subscribe to scans, odometry and initial poses."""
         self._node, self._mapper, self._config, self._warn = node, mapper, config, warn
-        self._recovery = recovery
+        self._lost = LostRobot(mapper, recovery, config)
+        self.close = self._lost.close
         self.sonar_frame = node.frames.base
         closing = mapper if isinstance(mapper, ClosingMapper) else None
         self._outputs = PoseOutputs(node, closing)
@@ -58,13 +58,13 @@ class MatchedPoses:
         self._tf = MapToOdom(node) if config.use_odom and config.publish_tf else None
         frame = node.frames.odom if config.use_odom else node.frames.base
         self._scans = ScanInput(node, frame, config.scan_timeout_s, self._on_scan, warn)
-        self._initial_pose = InitialPose(node, self._on_initial_pose, warn)
+        self._initial_pose = InitialPose(node, self._lost.is_said_at, warn)
         node.transforms.on_restart(self._restart)  # the clock's too
         node.time.on_look(self._watch_scans)
 
     def configure(self, config: GridMapperNodeConfig) -> None:
         """Go on with other values."""
-        self._config = config
+        self._config = self._lost.config = config
         self._scans.set_timeout(config.scan_timeout_s)
 
     def forget(self) -> None:
@@ -73,14 +73,7 @@ class MatchedPoses:
         self._outputs.forget()
         self._num_scans, self._num_trusted, self._worst_ms = 0, 0, 0.0
         self._reason, self._note = "no scan yet", ""
-        self._untrusted_since_ns: int | None = None
-        self._recovery.stop()
-        if self._config.start_map and self._config.use_odom:
-            self._recovery.start()
-
-    def close(self) -> None:
-        """End what runs in the background."""
-        self._recovery.close()
+        self._lost.begin()
 
     def lose(self) -> None:
         """Stop sending until the next trusted scan."""
@@ -107,12 +100,12 @@ class MatchedPoses:
             "trusted": self._num_trusted,
             "longest scan (ms)": f"{self._worst_ms:.1f}",
             "map (MB)": f"{self._mapper.num_bytes / 1e6:.1f}",
-            "found again": self._recovery.num_found,
+            "found again": self._lost.num_found,
         }
         if not self._scans.is_fresh:
             return Status(STALE, "no scans: pose and map->odom are not sent", values)
-        if self._recovery.is_active:
-            return Status(ERROR, f"lost, looking for it: {self._recovery.reason}", values)
+        if self._lost.is_looked_for:
+            return Status(ERROR, f"lost, looking for it: {self._lost.reason}", values)
         if self._tracking.is_lost:
             return Status(ERROR, f"lost: {self._reason}", values)
         if self._reason:
@@ -126,8 +119,7 @@ class MatchedPoses:
         stamp_ns = messages.stamp_to_ns(stamp)
         T_odom_base = T_target_base if self._config.use_odom else None
         started = time.perf_counter()
-        if self._recovery.is_active and T_odom_base is not None:
-            self._look(scan, T_base_laser, T_odom_base)
+        self._lost.look(scan, T_base_laser, T_odom_base)
         result = self._mapper.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
         self._worst_ms = max(self._worst_ms, 1e3 * (time.perf_counter() - started))
         self._take(result, stamp, T_odom_base)
@@ -140,7 +132,7 @@ class MatchedPoses:
         stamp_ns, lost_after_s = messages.stamp_to_ns(stamp), self._config.lost_after_s
         self._tracking.update(stamp_ns, result.is_trusted, lost_after_s)
         is_lost = self._tracking.is_lost
-        self._recover_if_lost(stamp_ns, result.is_trusted, is_lost)
+        self._lost.judge(stamp_ns, result.is_trusted, is_lost)
         if not result.is_trusted:
             self._warn(f"scan not trusted: {result.reason}" + (", lost" if is_lost else ""))
         if self._tf is not None and T_odom_base is not None:
@@ -152,32 +144,6 @@ class MatchedPoses:
         """Begin anew in the map that is there: stamps jumped back."""
         self._mapper.break_motion()
         self.lose()
-
-    def _on_initial_pose(self, pose: SE2, cov: np.ndarray) -> None:
-        """Look for the robot near a pose in a map made before, else go on from there."""
-        if self._config.start_map and self._config.use_odom:
-            self._mapper.lose()
-            self._recovery.start(Prior(pose, cov))
-        else:
-            self._recovery.stop()
-            self._mapper.relocate(pose, cov)
-
-    def _look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2) -> None:
-        """Look for the robot; go on where it is found."""
-        found = self._recovery.look(self._mapper.config.clipped(scan), T_base_laser, T_odom_base)
-        if found is not None:
-            self._mapper.relocate(found.T_map_base, found.cov, found.seen)
-
-    def _recover_if_lost(self, stamp_ns: int, is_trusted: bool, is_lost: bool) -> None:
-        """Begin to look for the robot once it has been lost for so long."""
-        if is_trusted or self._recovery.is_active or not self._config.use_odom:
-            self._untrusted_since_ns = None
-            return
-        since_ns = self._untrusted_since_ns
-        self._untrusted_since_ns = stamp_ns if since_ns is None else min(since_ns, stamp_ns)
-        lost_ns = stamp_ns - self._untrusted_since_ns
-        if is_lost and lost_ns > self._config.lost_after_s * 1e9 and self._recovery.start():
-            self._mapper.lose()
 
     def _watch_scans(self) -> None:
         """Stop sending when scans stop; while /clock stands still nothing is sent anyway."""
