@@ -268,6 +268,25 @@ def test_without_closing_loops_nothing_is_said_of_them(tmp_path, capsys):
     assert "loops closed" not in capsys.readouterr().out
 
 
+def test_a_session_taken_up_gives_the_files_of_one_run(tmp_path, capsys):
+    bag, session = room_bag(tmp_path / "bag"), str(tmp_path / "room.session")
+    assert run(bag, "--out", tmp_path / "whole", "--quiet") == 0
+    assert run(bag, "--out", tmp_path / "a", "--max-scans", "8", "--save-session", session) == 0
+    assert run(bag, "--out", tmp_path / "b", "--session", session) == 0
+    for name in ("trajectory.tum", "map.pgm", "map.yaml", "map.png"):
+        whole = (tmp_path / "whole" / name).read_bytes()
+        assert (tmp_path / "b" / name).read_bytes() == whole, name
+
+
+def test_a_session_that_is_none_is_one_line_and_leaves_nothing(tmp_path, capsys):
+    bag, other = room_bag(tmp_path / "bag"), tmp_path / "other"
+    other.write_text("something else")
+    assert run(bag, "--session", other, "--out", tmp_path / "out") == 2
+    error = capsys.readouterr().err
+    assert "other is no session of map_bag, or is cut off" in error and error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
 def test_without_the_solver_nothing_is_mapped_and_the_cure_is_named(tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "gtsam", None)
     bag = room_bag(tmp_path / "room")

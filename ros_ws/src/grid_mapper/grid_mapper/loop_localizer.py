@@ -58,6 +58,11 @@ class LoopClosingLocalizer:
         self._followed: list[_Followed] = []
         self.closer = LoopCloser(config)
 
+    @property
+    def num_scans(self) -> int:
+        """Scans taken so far."""
+        return len(self._followed)
+
     def insert_scan(
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
     ) -> ScanResult:

@@ -5,18 +5,37 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_closer import LoopCloser
 from grid_mapper.loop_localizer import LoopClosingLocalizer
+from grid_mapper.loop_warm_up import warm_up_loops
 from grid_mapper.map_rebuild import MapRebuild
 from grid_mapper.map_run import MapRun, run_mapper
-from grid_mapper.pose_graph import load_solver
 from grid_mapper.recordings import Recording
+from grid_mapper.session_files import Session, save_session
+from grid_mapper.session_run import first_scans, num_taken, rest_of, together
 
 OnScan = Callable[[MapRun], None]
+
+
+@dataclass(frozen=True)
+class Sessions:
+    """Sessions of a run.
+
+    Attributes:
+        before: One to go on with; None to begin anew.
+        save: File to save this run's in; None saves none.
+    """
+
+    before: Session | None = None
+    save: Path | None = None
+
+
+NO_SESSIONS = Sessions()
 
 
 @dataclass(frozen=True)
@@ -40,6 +59,7 @@ def run_closing(
     config: GridMapperConfig,
     max_scans: int | None,
     on_scan: tuple[OnScan, OnScan],
+    sessions: Sessions = NO_SESSIONS,
 ) -> ClosedRun:
     """Localize a recording with loops closed, then make the grids at the poses found.
 
@@ -49,21 +69,30 @@ def run_closing(
         config: Of the mapper.
         max_scans: Stop after so many; None for all.
         on_scan: Called after each scan of the first and of the second time.
+        sessions: The one to go on with, and where to save it.
 
     Raises:
-        ValueError: If the graph's solver is not installed.
+        ValueError: If the graph's solver is not installed, or a session is not of the recording.
     """
-    load_solver()
-    localizer, mapper = LoopClosingLocalizer(config), LayeredMapper(config)
+    warm_up_loops()
+    before, mapper = sessions.before, LayeredMapper(config)
+    localizer = LoopClosingLocalizer(config) if before is None else before.localizer()
+    open_all = open_again
+    if before is not None:
+        taken = num_taken(before, open_again())
+        recording = rest_of(recording, taken)
+        open_all = lambda: together(before, rest_of(open_again(), taken))  # noqa: E731
     found = run_mapper(recording, localizer, max_scans, on_scan[0])
+    if sessions.save is not None:
+        save_session(sessions.save, localizer, first_scans(open_all(), localizer.num_scans))
     started = time.perf_counter()
     localizer.closer.finish()
     finish_ms = 1e3 * (time.perf_counter() - started)
     poses = localizer.known_poses()
-    run = run_mapper(open_again(), MapRebuild(mapper, poses), len(poses), on_scan[1])
+    run = run_mapper(open_all(), MapRebuild(mapper, poses), len(poses), on_scan[1])
     run.finish_ms = finish_ms
     run.is_interrupted |= found.is_interrupted
-    both = zip(found.scan_ms, run.scan_ms, strict=False)
+    both = zip(found.scan_ms, run.scan_ms[-len(found.scan_ms) :], strict=False)
     run.scan_ms = [first + second for first, second in both]
     return ClosedRun(run, mapper, localizer.closer)
 

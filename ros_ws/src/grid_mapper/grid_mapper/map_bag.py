@@ -7,7 +7,6 @@ and trajectory, byte for byte.
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,11 +16,11 @@ from floornav_common import reporting
 from floornav_common.frames import FrameConfig
 from floornav_common.progress import Progress, say
 from floornav_common.reporting import UserError
-from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.config_file import load_mapper_config
 from grid_mapper.layers import LayeredMapper
-from grid_mapper.loop_run import loop_figures, run_closing
+from grid_mapper.loop_run import Sessions, loop_figures, run_closing
+from grid_mapper.map_bag_options import add_input_options, recording_options
 from grid_mapper.map_results import SUMMARY_KEYS, MapInputs, write_results
 from grid_mapper.map_run import MapRun, run_mapper
 from grid_mapper.pose_graph import load_solver
@@ -31,9 +30,9 @@ from grid_mapper.recordings import (
     RecordingOptions,
     open_recording,
 )
-from grid_mapper.recordings.events import WheelOptions
 from grid_mapper.recordings.listing import describe_recording
 from grid_mapper.relations import load_relations
+from grid_mapper.session_files import load_session
 from grid_mapper.sonar_mount import infrared_warning
 from grid_mapper.trajectory_metrics import load_tum
 
@@ -45,13 +44,14 @@ def main(argv: list[str] | None = None) -> int:
     args = make_parser().parse_args(argv)
     config, frames = _config(args)
     try:
-        options = _options(args, frames)
+        options = recording_options(args, frames)
         if args.list:
             say("\n".join(describe_recording(args.recording, options)))
             return 0
         inputs = _inputs(args)
         if config.loop_closing:
             load_solver()
+        sessions = _sessions(args, config)
         recording = open_recording(args.recording, options)
     except (RecordingError, ValueError, OSError) as error:
         raise UserError(" ".join(str(error).split())) from error
@@ -60,7 +60,7 @@ def main(argv: list[str] | None = None) -> int:
     out = reporting.open_out_dir(COMMAND, _name(args.recording), args.out)
     values: dict[str, Any] = dict.fromkeys(SUMMARY_KEYS)
     with reporting.summary(out, command=COMMAND, seed=args.seed, values=values) as summary:
-        run, mapper = _run(args, recording, options, config, summary)
+        run, mapper = _run(args, recording, options, config, sessions, summary)
         inputs.format, inputs.info = recording.format, tuple(recording.info)
         text = write_results(out, inputs, recording, run, mapper, summary)
     say(text, is_quiet=args.quiet)
@@ -83,8 +83,10 @@ def make_parser() -> argparse.ArgumentParser:
     add("recording", type=Path, metavar="BAG_OR_LOG", help="rosbag2, ROS 1 bag or text log")
     add("--config", type=Path, metavar="YAML", help="parameters of grid_mapper")
     reporting.add_common_options(parser)
-    _add_input_options(parser)
+    add_input_options(parser)
     add("--max-scans", type=_positive_int, metavar="N", help="stop after N scans")
+    add("--session", type=Path, metavar="FILE", help="go on with a session that was saved")
+    add("--save-session", type=Path, metavar="FILE", help="save the session to go on with it")
     add("--relations", type=Path, metavar="FILE", help="known relations: t1 t2 x y z r p yaw")
     add("--relations-tol", type=_not_negative, default=0.002, metavar="S",
         help="how far a relation's stamp may be from a pose (default: 0.002 s)")  # fmt: skip
@@ -92,36 +94,6 @@ def make_parser() -> argparse.ArgumentParser:
         help="added to the trajectory's stamps to compare them (default: 0 s)")  # fmt: skip
     add("--gt", type=Path, metavar="TUM", help="ground truth for ATE and RPE")
     return parser
-
-
-def _add_input_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("what of the recording is used")
-    add = group.add_argument
-    add("--list", action="store_true", help="show topics, types and rates, and map nothing")
-    add("--scan-topic", metavar="TOPIC", help="LaserScan topic (default: the only one, or /scan)")
-    add("--odom-topic", metavar="TOPIC", help="odometry from this topic instead of TF")
-    add("--sonar-topic", metavar="TOPIC", action="append", default=[],
-        help="Range topic of ultrasonic sensors; may be given again")  # fmt: skip
-    add("--sonar-pose", nargs=4, metavar=("FRAME", "X", "Y", "YAW"), action="append", default=[],
-        help="where the sonar of a frame sits on the robot (m, m, rad); one a frame")  # fmt: skip
-    add("--laser-pose", type=float, nargs=3, metavar=("X", "Y", "YAW"),
-        help="where the laser sits on the robot (m, m, rad)")  # fmt: skip
-    add("--no-odom", action="store_true", help="map without odometry")
-    add("--base-frame", metavar="FRAME",
-        help="frame of the robot (default: base_link, or what a bag has instead)")  # fmt: skip
-    add("--odom-frame", metavar="FRAME",
-        help="frame of the odometry (default: odom, or what a bag has instead)")  # fmt: skip
-    add("--range-limits", type=float, nargs=2, metavar=("MIN", "MAX"),
-        help="shortest and longest range that is a measurement (m, m)")  # fmt: skip
-    add("--recorded-stamps", action="store_true",
-        help="take the times of recording instead of a bag's stamps")  # fmt: skip
-    wheels = WheelOptions()
-    add("--ticks-per-turn", type=float, default=wheels.ticks_per_turn, metavar="N",
-        help="for logs of wheel ticks: ticks of a wheel turn (default: %(default)s)")  # fmt: skip
-    add("--wheel-radius", type=float, default=wheels.wheel_radius_m, metavar="M",
-        help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
-    add("--half-axle", type=float, default=wheels.half_axle_m, metavar="M",
-        help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
 
 
 def _config(args: argparse.Namespace) -> tuple[GridMapperConfig, FrameConfig]:
@@ -133,49 +105,18 @@ def _config(args: argparse.Namespace) -> tuple[GridMapperConfig, FrameConfig]:
         raise UserError(str(error)) from error
 
 
-def _options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:
-    return RecordingOptions(
-        scan_topic=args.scan_topic,
-        odom_topic=args.odom_topic,
-        sonar_topics=tuple(args.sonar_topic),
-        sonar_poses=tuple(_sonar_pose(*words) for words in args.sonar_pose),
-        laser_pose=None if args.laser_pose is None else _laser_pose(*args.laser_pose),
-        use_odom=not args.no_odom,
-        base_frame=args.base_frame if args.base_frame is not None else _named(frames.base, "base"),
-        odom_frame=args.odom_frame if args.odom_frame is not None else _named(frames.odom, "odom"),
-        range_limits_m=None if args.range_limits is None else tuple(args.range_limits),
-        use_recorded_stamps=args.recorded_stamps,
-        wheels=WheelOptions(
-            ticks_per_turn=args.ticks_per_turn,
-            wheel_radius_m=args.wheel_radius,
-            half_axle_m=args.half_axle,
-        ),
-    )
+def _sessions(args: argparse.Namespace, config: GridMapperConfig) -> Sessions:
+    """Return the sessions asked for.
 
-
-def _laser_pose(x: float, y: float, yaw: float) -> SE2:
-    return _pose("--laser-pose", x, y, yaw)
-
-
-def _sonar_pose(frame: str, *words: str) -> tuple[str, SE2]:
-    try:
-        x, y, yaw = (float(word) for word in words)
-    except ValueError:
-        raise ValueError(
-            f"--sonar-pose: X Y YAW must be numbers (m, m, rad), got {' '.join(words)}"
-        ) from None
-    return frame.removeprefix("/"), _pose("--sonar-pose", x, y, yaw)
-
-
-def _pose(option: str, x: float, y: float, yaw: float) -> SE2:
-    if not abs(yaw) <= 2.0 * math.pi:
-        raise ValueError(f"{option}: YAW is in radians, from -2 pi to 2 pi, got {yaw:g}")
-    return SE2(x, y, yaw)
-
-
-def _named(frame: str, name: str) -> str | None:
-    """Return a frame that the configuration names; None where it has only the default."""
-    return None if frame == getattr(FrameConfig(), name) else frame
+    Raises:
+        ValueError: One cannot be taken up, or none can be made.
+    """
+    if (args.session or args.save_session) and not config.loop_closing:
+        raise ValueError("sessions are of runs that close loops; loop_closing is false")
+    if args.save_session is not None and not args.save_session.parent.is_dir():
+        raise ValueError(f"--save-session: there is no folder {args.save_session.parent}")
+    before = None if args.session is None else load_session(args.session, config)
+    return Sessions(before, args.save_session)
 
 
 def _inputs(args: argparse.Namespace) -> MapInputs:
@@ -192,7 +133,7 @@ def _inputs(args: argparse.Namespace) -> MapInputs:
 
 def _run(
     args: argparse.Namespace, recording: Recording, options: RecordingOptions,
-    config: GridMapperConfig, summary: dict[str, Any],
+    config: GridMapperConfig, sessions: Sessions, summary: dict[str, Any],
 ) -> tuple[MapRun, LayeredMapper]:  # fmt: skip
     """Map the recording; with loops closed that takes two passes."""
     total = recording.num_scans
@@ -202,11 +143,12 @@ def _run(
         mapper = LayeredMapper(config)
         with Progress("mapping", total, is_quiet=args.quiet) as progress:
             return run_mapper(recording, mapper, args.max_scans, _shown(progress, total)), mapper
+    total = total if sessions.before is None else None
     passes = 2 * total if total is not None else None
     with Progress("mapping", passes, is_quiet=args.quiet) as progress:
         closed = run_closing(
             recording, lambda: open_recording(args.recording, options), config, args.max_scans,
-            (_shown(progress, passes), _shown(progress, passes, total or 0)),
+            (_shown(progress, passes), _shown(progress, passes, total or 0)), sessions,
         )  # fmt: skip
     summary.update(loop_figures(closed.closer))
     return closed.run, closed.mapper

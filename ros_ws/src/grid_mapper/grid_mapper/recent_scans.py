@@ -30,3 +30,14 @@ class RecentScanMatcher(ScanMatcher):
         self._map = SurfaceMap(self.config.cell_m)
         for points, pose in self._recent:
             super().insert(points, pose)
+
+    def as_state(self) -> list[tuple[SurfacePoints, SE2]]:
+        """Return the scans held, from which the map is made."""
+        return list(self._recent)
+
+    def take_state(self, recent: list[tuple[SurfacePoints, SE2]]) -> None:
+        """Go on with scans that were held before."""
+        self._recent.clear()
+        self._map = SurfaceMap(self.config.cell_m)
+        for points, pose in recent:
+            self.insert(points, pose)
