@@ -3,7 +3,7 @@ import pytest
 from voxel_rooms import CAMERAS, room, views_at
 
 from floornav_common.se2 import SE2
-from multi_localizer.stereo_judge import judge, known_part, polished
+from multi_localizer.stereo_judge import doubts, judge, known_part, polished
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_refine import Prior, refine, targets_of
 from multi_localizer.voxel_view import VoxelScene
@@ -91,3 +91,19 @@ def test_polishing_ends_where_judging_finds_no_better(scene, targets):
     costs = judge(scene, targets, poses, CONFIG)
     assert (costs < judge(scene, targets, starts, CONFIG)).all()
     assert costs == pytest.approx(judge(scene, targets, away((0, 0, 0)), CONFIG)[0], abs=0.005)
+
+
+def test_small_costs_count_by_their_difference_and_great_ones_by_their_ratio():
+    usual, evidence = CONFIG.usual_cost, CONFIG.evidence
+    one, other = doubts(usual * np.array([0.0, 1e-4]), CONFIG)
+    assert other - one == pytest.approx(evidence * usual * 1e-4, rel=1e-3)
+    one, other = doubts(usual * np.array([1e6, 2e6]), CONFIG)
+    assert other - one == pytest.approx(evidence * usual * np.log(2.0), rel=1e-3)
+    assert (np.diff(doubts(np.linspace(0.0, 1.0, 50), CONFIG)) > 0.0).all()
+
+
+@pytest.mark.parametrize(("costs", "is_sure"), [((0.03, 0.05), True), ((0.15, 0.165), False)])
+def test_what_settles_on_a_good_map_does_not_on_one_that_is_wrong_in_places(costs, is_sure):
+    against = doubts(np.array(costs), CONFIG)
+    shares = np.exp(-against) / np.exp(-against).sum()
+    assert (shares[0] >= CONFIG.settle_share) == is_sure

@@ -41,6 +41,12 @@ def test_a_wall_stands_where_it_is_seen():
     assert voxels.color[voxels.occupied].tolist()[0] == [90, 50, 20]
 
 
+def test_a_wall_found_a_little_beyond_the_bounds_has_no_holes():
+    low, high = np.array([0.5, -0.2, 0.4]), np.array([1.0, 0.2, 0.6])
+    voxels = fuse_views([view(wall(1.0 + 0.04))], low, high, SETTINGS)
+    assert all(len(column_of(voxels, y, 0.5)) for y in np.arange(-0.15, 0.15, 0.02))
+
+
 def test_errors_of_many_views_average_out():
     low, high = np.array([0.5, -0.2, 0.4]), np.array([1.2, 0.2, 0.6])
     views = [view(wall(1.0, 0.02, k)) for k in range(40)]

@@ -52,6 +52,18 @@ def polished(
     return fits.poses
 
 
+def doubts(costs: np.ndarray, config: StereoLocalizerConfig) -> np.ndarray:
+    """Return what mean costs say against poses, as logarithms, (N,).
+
+    Where the map is a good one costs are small and differences between them are the views' noise,
+    which `evidence` is for. Where all poses cost more the map itself is wrong in places, by more
+    than the noise and not alike at each pose: there the ratio of the costs counts, as it does where
+    the size of errors is not known beforehand.
+    """
+    usual = config.usual_cost
+    return np.asarray(config.evidence * usual * np.log1p(np.asarray(costs) / usual))
+
+
 def known_part(targets: Sequence[Target]) -> float:
     """Return the share of the pixels whose distance is known, 0 to 1."""
     return sum(float(t.weight.mean()) for t in targets) / max(len(targets), 1)

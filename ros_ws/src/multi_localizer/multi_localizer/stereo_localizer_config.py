@@ -78,7 +78,11 @@ class StereoLocalizerConfig:
         0.5, "ours: what color counts where poses are held against each other.", ge=0.0, le=1.0
     )
     evidence: float = param(
-        500.0, "ours: how much surer a pose is whose mean cost is less by 1, as a logarithm.",
+        500.0, "ours: how much surer a pose is whose mean cost is less by 1, as a logarithm, where "
+        "costs are small; see usual_cost.", gt=0.0,
+    )  # fmt: skip
+    usual_cost: float = param(
+        0.05, "ours: mean cost of a good map's views; where all poses cost more, ratios count.",
         gt=0.0,
     )  # fmt: skip
     least_error_m: float = param(
@@ -112,6 +116,19 @@ class StereoLocalizerConfig:
     )
     drift_m_s: float = param(0.02, "ours: what a pose may drift besides.", unit="m/s", ge=0.0)
     drift_rad_s: float = param(0.02, "ours: what a yaw may drift besides.", unit="rad/s", ge=0.0)
+    free_speed_m_s: float = param(
+        1.0, "ours: how fast the robot may go, where there is no odometry.", unit="m/s", ge=0.0
+    )
+    free_turn_rad_s: float = param(
+        1.0, "ours: how fast it may turn, where there is no odometry.", unit="rad/s", ge=0.0
+    )
+    slip_sd: float = param(
+        3.0, "ours: odometry is not believed where views are off it by so many deviations.", gt=0.0
+    )
+    renewal_s: float = param(
+        0.5, "ours: time in which the views of a standing robot take the place of older ones.",
+        unit="s", gt=0.0,
+    )  # fmt: skip
     new_view_m: float = param(
         0.2, "ours: a way after which a view is as good as new.", unit="m", gt=0.0
     )

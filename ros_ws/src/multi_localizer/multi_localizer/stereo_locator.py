@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_hypotheses import covariance, hypotheses_of, judged
-from multi_localizer.stereo_judge import judge, known_part, polished
+from multi_localizer.stereo_judge import doubts, judge, known_part, polished
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_pose import StereoPose
 from multi_localizer.stereo_refine import Fits, Target, refine, targets_of
@@ -37,7 +38,9 @@ class StereoLocator:
         self._scene, self._cameras, self._config = scene, tuple(cameras), config
         self._search = SearchAll(scene, cameras, config)
 
-    def locate(self, views: Sequence[StereoView | None]) -> StereoPose:
+    def locate(
+        self, views: Sequence[StereoView | None], near: PoseEstimate | None = None
+    ) -> StereoPose:
         """Return the pose by one view of each pair, None where one is missing."""
         c = self._config
         poses = self._search.search(views, c.num_refined)
@@ -60,7 +63,7 @@ class StereoLocator:
         poses = polished(self._scene, fine, poses, c)
         costs = judge(self._scene, fine, poses, c)
         covs = [h.estimate.cov for h in rivals]
-        found = hypotheses_of(poses, covs, costs, -c.evidence * costs, c)
+        found = hypotheses_of(poses, covs, costs, -doubts(costs, c), c)
         return judged(found, known_part(fine), c)
 
     def _fitted(self, targets: Sequence[Target], poses: np.ndarray) -> Fits:

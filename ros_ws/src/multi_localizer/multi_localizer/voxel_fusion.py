@@ -112,7 +112,8 @@ def fuse_views(
 
     Args:
         views: At least one.
-        low: Corner (x, y, z) from which the map reaches, m; a cell or layer more is added.
+        low: Corner (x, y, z) from which the map reaches, m; `band_m` and a cell or layer more are
+            added, as a wall that stands there is found somewhat before or behind.
         high: The opposite corner.
         settings: Sizes and trust.
         on_layer: Called after each layer with how many are done, and of how many.
@@ -123,10 +124,11 @@ def fuse_views(
     if not views or len({view.depth.shape for view in views}) > 1:
         raise ValueError(f"views must be at least one, all of one size, got {len(views)}")
     edge = np.array([settings.cell_m, settings.cell_m, settings.layer_m])
-    first = np.floor(np.asarray(low) / edge - 0.5)
-    columns, rows, layers = (np.ceil(np.asarray(high) / edge + 0.5) - first).astype(int).tolist()
-    if min(columns, rows, layers) < 1:
+    if not (np.asarray(low) < np.asarray(high)).all():
         raise ValueError(f"low must be below high, got {list(low)} and {list(high)}")
+    first = np.floor((np.asarray(low) - settings.band_m) / edge - 0.5)
+    last = np.ceil((np.asarray(high) + settings.band_m) / edge + 0.5)
+    columns, rows, layers = (int(n) for n in last - first)
     color = np.zeros((layers, rows, columns, 3), dtype=np.uint8)
     occupied = np.zeros((layers, rows, columns), dtype=np.bool_)
     stacks = _stacked(views)
