@@ -3,7 +3,8 @@
 Rendered pairs of the stereo room from random poses: errors of distance as in the stereo paper's
 Table 1. `--pair LEFT RIGHT --gt FILE --scale S` takes one real pair with its true disparities in
 their place: shares of bad pixels among all whose truth is known, a pixel without a value being bad.
-StereoSGBM stands there twice: with the settings that OpenCV advises, and tuned on that very pair.
+Shares stand there as found, and with the holes of every method filled by one rule. StereoSGBM has
+the settings that OpenCV advises, and those that are best on that very pair for each of the two.
 """
 
 from __future__ import annotations
@@ -23,6 +24,13 @@ from multi_localizer.stereo_config import METHODS
 
 Values = dict[str, Any]
 _MEASURES = ("bad1", "bad2", "mean_px", "valid", "bad1_valid", "bad1_filled", "bad2_filled")
+_PAIR_TEXT = (
+    "Percentages of all pixels whose truth is known, off by more than 1 and 2 px. bad1, bad2: as "
+    "found, a pixel without a value is bad. bad1_filled, bad2_filled, mean_px: holes filled from "
+    "the farther neighbor, for every method alike. ours fills them itself; ours_with_holes is what "
+    "stereo_matcher sends. sgbm_tuned is StereoSGBM with those settings of a grid that are best on "
+    "this very pair as found, sgbm_tuned_filled with those that are best when filled."
+)
 _ERRORS = ("mean_cm", "changing_cm", "smooth_cm")
 
 
@@ -137,7 +145,7 @@ def _real_pair(args: argparse.Namespace, values: Values) -> Section:
         path = args.out_dir / f"{name}.png"
         cv2.imwrite(str(path), _colored(found, top))
         pictures.append(Picture(path, f"{name}: disparities; black = none"))
-    return Section("real pair", [Table(["method", *_MEASURES], rows), *pictures])
+    return Section("real pair", [_PAIR_TEXT, Table(["method", *_MEASURES], rows), *pictures])
 
 
 def _colored(values: np.ndarray, top: float) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from experiments.stereo_measures import DepthErrors, changing, depth_of
-from experiments.stereo_pairs import judge, match_padded, read_pair
+from experiments.stereo_pairs import Pair, judge, judge_all, match_padded, read_pair, tuned_sgbm
 from experiments.stereo_views import StereoRoom, room_depth
 from floornav_common.reporting import UserError
 from floornav_common.se2 import SE2
@@ -79,6 +79,38 @@ def test_a_pixel_without_a_value_is_bad_and_one_without_truth_does_not_count():
     assert (got["bad1"], got["bad2"]) == (75.0, 50.0)
     assert (got["valid"], got["bad1_valid"]) == (75.0, pytest.approx(200.0 / 3.0))
     assert got["mean_px"] == pytest.approx((0.5 + 1.5 + 4.0 + 4.0) / 4.0)
+
+
+def shifted_noise():
+    """A pair with a near square before a wall: what it hides from the right camera has no value."""
+    rng = np.random.default_rng(0)
+    wide = rng.integers(0, 256, (60, 140, 3), dtype=np.uint8)
+    truth = np.full((60, 120), 4.0, np.float32)
+    left, right = wide[:, :120].copy(), wide[:, 4:124].copy()
+    near = rng.integers(0, 256, (30, 40, 3), dtype=np.uint8)
+    left[15:45, 50:90], right[15:45, 38:78], truth[15:45, 50:90] = near, near, 12.0
+    return Pair(left, right, truth)
+
+
+def test_holes_are_judged_as_found_and_filled_for_every_method(monkeypatch):
+    monkeypatch.setattr("experiments.stereo_pairs.tuned_sgbm", lambda *_: {})
+    found = {name: measures for name, measures, _ in judge_all(shifted_noise(), 32)}
+    assert list(found)[-1] == "ours_with_holes"
+    assert found["ours"]["valid"] == 100.0 > found["ours_with_holes"]["valid"]
+    for name in ("bad1_filled", "bad2_filled", "mean_px"):
+        assert found["ours"][name] == found["ours_with_holes"][name]
+    assert found["ours"]["bad1"] == found["ours"]["bad1_filled"]
+    holes = found["ours_with_holes"]
+    assert holes["bad1"] >= 100.0 - holes["valid"] > 0.0
+
+
+def test_sgbm_is_tuned_for_the_column_it_stands_in():
+    grid = {"blockSize": (1, 3, 5), "P1": (8,), "P2": (32,), "disp12MaxDiff": (1, 1000)}
+    pair = shifted_noise()
+    best = tuned_sgbm(pair, 32, grid)
+    as_found, filled = (judge(best[ending][1], pair.truth) for ending in ("", "_filled"))
+    assert as_found["bad1"] <= filled["bad1"] and filled["bad1_filled"] <= as_found["bad1_filled"]
+    assert best[""][0]["disp12MaxDiff"] == 1000  # without the check there are fewer holes
 
 
 def test_a_pair_is_widened_for_the_search_and_cut_again(tmp_path):
