@@ -130,7 +130,8 @@ def test_a_way_that_closes_altogether_is_taken_back_and_given_again():
     made.set_grid(room(wall=(0, 40)))
     shut = made.update(START)
     assert shut.state == NO_WAY and shut.points is not None and len(shut.points) == 0
-    assert made.update(START).points is None  # said once
+    again = made.update(START)
+    assert again.points is None and (again.state, again.text) == (NO_WAY, shut.text)
     made.set_grid(room())
     assert len(made.update(START).points) > 2
 

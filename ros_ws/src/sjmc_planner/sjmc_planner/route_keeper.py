@@ -45,6 +45,7 @@ class RouteKeeper:
         self._points = _NOTHING
         self._is_due = False  # a way has to be made, or looked at again
         self._is_new_goal = False
+        self._no_way = ""  # why there is none, as far as is known
 
     def set_config(self, config: WavefrontConfig) -> None:
         """Take other settings."""
@@ -79,6 +80,8 @@ class RouteKeeper:
             return Route(DONE, "the goal is reached")
         ahead = self._ahead(here)
         if not (self._is_due or self._is_new_goal or self._is_off(here, ahead)):
+            if self._no_way:
+                return Route(NO_WAY, self._no_way)
             return Route(ON_ITS_WAY, f"{_length(ahead):.1f} m left")
         return self._planned(here, ahead)
 
@@ -86,11 +89,13 @@ class RouteKeeper:
         """Return a way, or the old one if it is as good."""
         assert self._grid is not None and self._goal is not None
         is_new_goal, self._is_new_goal, self._is_due = self._is_new_goal, False, False
+        self._no_way = ""
         if self._costs is None:
             self._costs = CostMap(self._grid, self._config)
         try:
             way = self._costs.plan(here, self._goal)
         except NoWayError as error:
+            self._no_way = str(error)
             return Route(NO_WAY, str(error), self._dropped(must=is_new_goal))
         if not is_new_goal and len(ahead) > 1 and not self._is_off(here, ahead):
             old = self._costs.cost_of(np.concatenate((here[None], ahead)))
