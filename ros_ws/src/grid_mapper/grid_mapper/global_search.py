@@ -22,10 +22,10 @@ from grid_mapper.correlative_search import (
 )
 from grid_mapper.map_surfaces import is_free, surfaces_of
 
-BLOCK_CELLS = (16, 4)
+BLOCK_CELLS = (16, 8, 4)
 FIRST_BLOCKS = 200
 """Blocks looked at closer first, to know what the others have to reach."""
-MAX_POINTS = 180
+MAX_POINTS = 120
 MAX_STARTS = 48
 MIN_SCORE = 0.35
 """Where less of the scan fits nothing is looked at closer."""

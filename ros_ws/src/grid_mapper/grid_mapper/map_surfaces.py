@@ -89,5 +89,6 @@ def _covs(normals: np.ndarray) -> np.ndarray:
 
 def round_place(points: SurfacePoints, x: float, y: float, reach: float) -> SurfacePoints:
     """Return the points at most `reach` (m) from a place."""
-    near = np.hypot(points.points[:, 0] - x, points.points[:, 1] - y) <= reach
+    off = points.points - (x, y)
+    near = (off * off).sum(axis=1) <= reach * reach
     return SurfacePoints(points.points[near], points.covs[near], points.normals[near])

@@ -115,8 +115,8 @@ class Relocalizer:
         self._follow(look)
         frame = KeyFrame(0, SE2.identity(), np.zeros((3, 3)), points, look.scan, look.T_base_laser)
         self._looks.append((look, frame))
-        starts = self._starts(points, look)
-        places = [self._place(pose) for pose in starts]
+        places = [self._seen_again(place) for place in self._places]
+        places += [self._place(pose) for pose in self._starts(points, look)]
         share = max(self._config.relocation.rival_share ** len(self._looks), ENOUGH)
         self._places = _distinct(places, share)
         believable = [p for p in self._places if look.prior is None or look.prior.has(p.pose)]
@@ -137,29 +137,38 @@ class Relocalizer:
         self._places = [_Place(place.pose @ moved, place.fits) for place in self._places]
 
     def _starts(self, points: SurfacePoints, look: Look) -> list[SE2]:
-        """Return where the robot may be: where this look fits, and where those before did."""
+        """Return where this look fits and those before did not."""
         assert self._search is not None
         peaks = self._search.find(points.points, SEARCH_SHARE, MAX_PLACES)
         if look.prior is not None:
             at, window = look.prior.T_map_base, look.prior.window
             near = round_place(self._search.surfaces, at.x, at.y, SURROUNDINGS_M + window[0])
             peaks = find_peaks(near.points, points.points, at, window, MAX_PLACES) + peaks
-        starts = [place.pose for place in self._places]
+        known = [place.pose for place in self._places]
+        num_known = len(known)
         for peak in peaks:
-            if all(not is_same_peak(peak.pose, other) for other in starts):
-                starts.append(peak.pose)
-        return starts
+            if all(not is_same_peak(peak.pose, other) for other in known):
+                known.append(peak.pose)
+        return known[num_known:]
+
+    def _seen_again(self, place: _Place) -> _Place:
+        """Return a place with the newest look's fit there."""
+        _, frame = self._looks[-1]
+        fit = self._fit(frame, place.pose)
+        return _Place(fit.match.T_map_base, (fit, *place.fits)[: len(self._looks)])
+
+    def _fit(self, frame: KeyFrame, pose: SE2) -> _Fit:
+        match = self._matcher.match(frame.points, pose, START_COV)
+        return _Fit(match, self._contradiction(frame, match.T_map_base))
 
     def _place(self, pose: SE2) -> _Place:
         """Return how all looks of late fit if the newest was taken about here."""
         newest, fits = self._looks[-1][0], []
         refined = pose
         for look, frame in reversed(self._looks):
-            moved = newest.T_odom_base.between(look.T_odom_base)
-            match = self._matcher.match(frame.points, refined @ moved, START_COV)
+            fits.append(self._fit(frame, refined @ newest.T_odom_base.between(look.T_odom_base)))
             if look is newest:
-                refined = match.T_map_base
-            fits.append(_Fit(match, self._contradiction(frame, match.T_map_base)))
+                refined = fits[0].match.T_map_base
         return _Place(refined, tuple(fits))
 
     def _contradiction(self, frame: KeyFrame, pose: SE2) -> float:
