@@ -38,6 +38,7 @@ _RECORDED = (
     "/ground_truth/people",
 )  # fmt: skip
 _RANGE_MIN_M, _HORIZON_M, _MARK_M = 0.95, 4.0, 0.03
+_PANORAMA_M = 0.12  # a whole flat: half as many places as for one room
 _PACE_LAG_S = 0.2
 
 
@@ -65,7 +66,11 @@ def write_settings(folder: Path, world: World, model: RobotModel) -> Path:
         told["floor_detector"] = {**seen, "template": template, "mask": {"mark_m": _MARK_M}}
         told["marker_detector"] = seen
     if model.config.stereo is not None:
-        place = {"map_file": str(folder / "voxel_map.npz"), "map_frame": BUILDING}
+        place = {
+            "map_file": str(folder / "voxel_map.npz"),
+            "map_frame": BUILDING,
+            "panorama_spacing_m": _PANORAMA_M,
+        }
         for name, more in zip(STEREO_NODES, ({}, place), strict=True):
             pairs = list(model.config.stereo.pairs)  # a list of its own: rcl reads no YAML aliases
             told[name] = {"pairs": pairs, "image_timeout_s": 3.0, **more}

@@ -64,10 +64,8 @@ def write_maps(path: Path, world: World, solids: Sequence[Solid], panels: Sequen
     low, high = corners.min(axis=0) - _MARGIN_M, corners.max(axis=0) + _MARGIN_M
     width = 7.0
     height = width * float((high - low)[1] / (high - low)[0])
-    figure, axes = plt.subplots(
-        1, len(panels), figsize=(width * len(panels), height + 0.9), layout="constrained",
-        squeeze=False,
-    )  # fmt: skip
+    size = (width * len(panels), height + 0.9)
+    figure, axes = plt.subplots(1, len(panels), figsize=size, layout="constrained", squeeze=False)
     for axis, panel in zip(axes[0], panels, strict=True):
         axis.set_facecolor("#d9dde2")
         start = world.robots[0].pose

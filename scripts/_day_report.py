@@ -24,6 +24,15 @@ _ROWS = (
     ("time [s]", "time_s", ".1f"), ("stood [s]", "stopped_s", ".1f"),
     ("driven [m]", "path_m", ".1f"), ("glass in the map", "glass_recall", ".0%"),
 )  # fmt: skip
+_MAPS = (
+    "Black: occupied; light blue: inferred glass; white: free; gray: unknown; thin lines: what "
+    "truly stands there. Both runs: same seed, people and goals; localized by what the robot "
+    "senses, never by the truth. The right one runs offline, in lockstep."
+)
+_ZONES = (
+    "Orange: how near the nearest person came to the robot; bands: the planner's state. Below: the "
+    "robot's speed."
+)
 _LEFT_OUT = (
     "Left out: floor_localizer needs a floor whose whole border one look shows, and "
     "landmark_localizer four landmarks in view; rooms full of furniture give neither."
@@ -46,13 +55,7 @@ def write_day(
         if name in tracks:
             write_tum(out / f"{name}.tum", tracks[name])
     write_tum(out / "ground_truth.tum", heard.record.truth)
-    panels = [
-        Panel("floornav: laser, sonars, SJMC", heard.grid, heard.glass, heard.record, _at(values))
-    ]
-    if usual is not None:
-        title, touches = "as most drive today: laser, VFH+", _at(values["baseline"])
-        panels.append(Panel(title, usual.grid, None, usual.record, touches))
-    write_maps(out / "map.png", world, around.solids, panels)
+    write_maps(out / "map.png", world, around.solids, _panels(watch, usual, values))
     sjmc = pilot_of(world, model, OURS).planner.sjmc
     zones = {"L_DANGER": sjmc.danger_m, "L_CAUTION": sjmc.caution_m}
     write_zones(out / "zones.png", heard.record, around.outline, around.torso_radius, zones)
@@ -63,6 +66,15 @@ def write_day(
     write_html(out, title, _sections(out, values, problem, pictures), subtitle)
 
 
+def _panels(watch: DayWatch, usual: GoalDrive | None, values: Mapping[str, Any]) -> list[Panel]:
+    heard, title = watch.heard, "floornav: laser, sonars, SJMC"
+    panels = [Panel(title, heard.grid, heard.glass, heard.record, _at(values))]
+    if usual is not None:
+        title, touches = "as most drive today: laser, VFH+", _at(values["baseline"])
+        panels.append(Panel(title, usual.grid, None, usual.record, touches))
+    return panels
+
+
 def _at(values: Mapping[str, Any]) -> np.ndarray:
     return np.array([touch["place_m"] for touch in values["touched"]]).reshape(-1, 2)
 
@@ -70,21 +82,10 @@ def _at(values: Mapping[str, Any]) -> np.ndarray:
 def _sections(
     out: Path, values: dict[str, Any], problem: str, pictures: list[Picture]
 ) -> list[Section]:
-    caption = (
-        "Black: occupied; light blue: inferred glass; white: free; gray: unknown; thin lines: what "
-        "truly stands there. Both runs: same seed, people and goals; localized by what the robot "
-        "senses, never by the truth. The right one runs offline, in lockstep."
-    )
-    zones = (
-        "Orange: how near the nearest person came to the robot; bands: the planner's state. Below: "
-        "the robot's speed."
-    )
-    first = Section(
-        "", [_first(values, problem), _table(values), Picture(out / "map.png", caption)]
-    )
+    maps = Picture(out / "map.png", _MAPS)
     return [
-        first,
-        Section("Zones and states over time", [Picture(out / "zones.png", zones)]),
+        Section("", [_first(values, problem), _table(values), maps]),
+        Section("Zones and states over time", [Picture(out / "zones.png", _ZONES)]),
         *([Section("What the cameras saw", list(pictures))] if pictures else []),
         Section("Pose errors", [
             _pose_table(values), Picture(out / "errors.png", "Log scale; nothing fitted."),

@@ -131,6 +131,24 @@ def write_report(
     write_html(out, title, sections, "Every node its own process, over DDS, in simulated time")
 
 
+def mapped_lines(values: dict[str, Any]) -> list[str]:
+    """Return what the command says of a mapped world at the end."""
+    lines = []
+    if values["ate_m"]["rms"] is not None:
+        lines.append(
+            f"{values['path_m']:.1f} m driven in {values['sim_s']:.1f} s: trajectory error "
+            f"{values['ate_m']['rms']:.3f} m rms (odometry alone ended "
+            f"{values['odometry_final_error_m']:.2f} m off)"
+        )
+    if values.get("map_error_m") is not None:
+        found = values["map_found_share"] or 0.0
+        lines.append(
+            f"map: occupied cells lie {values['map_error_m']:.3f} m from true surfaces (mean); "
+            f"{100.0 * found:.1f} % of the surface that the laser could see is in it"
+        )
+    return lines
+
+
 def _mean(values: np.ndarray) -> float | None:
     return float(values.mean()) if len(values) else None
 

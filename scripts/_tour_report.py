@@ -142,6 +142,16 @@ def touched_text(robots: Mapping[str, Mapping[str, Any]]) -> str:
     return f"{num} of {len(robots)} robots touched something" if num else ""
 
 
+def tour_lines(values: Mapping[str, Any]) -> list[str]:
+    """Return what the command says of a world that was pictured at the end."""
+    num, people = len(values["robots"]), ""
+    if values["people"]:
+        people = f", {values['people']} {'person' if values['people'] == 1 else 'people'}"
+    text = f"{values['sim_s']:.1f} s simulated: {num} robot{'s' if num > 1 else ''}{people}"
+    touched = touched_text(values["robots"])
+    return [f"{text}; {touched}" if touched else text]
+
+
 def _draw_people(axes: Any, heard: TourWatch, body: PeopleConfig) -> None:
     if not heard.people:
         return

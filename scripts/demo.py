@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -57,11 +58,7 @@ def main() -> int:
     """Run the demo."""
     args = _parser().parse_args()
     try:
-        world = load_world(args.world, parsed_parameters(args.set))
-        require_pybullet()
-        _require_drivable(world)
-    except WorldError as error:
-        raise UserError(str(error)) from error
+        world = _loaded(args)
     except PybulletMissingError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -74,7 +71,7 @@ def main() -> int:
         print(f"error: {obstacle}", file=sys.stderr)
         return 1
     out = open_out_dir("demo", world.name, args.out)
-    demo, keys = _make(world, args, out, has_window)
+    demo, keys, lines = _make(world, args, out, has_window)
     values: dict[str, Any] = dict.fromkeys(keys)
     values["world"] = world.name
     with summary(out, command="demo", seed=args.seed, values=values) as filled:
@@ -85,8 +82,24 @@ def main() -> int:
                 filled.update(demo.results())
                 filled.update(ok=not demo.problem, partial=bool(demo.problem))
                 demo.write(filled)
-    _print_result(out, filled, demo.problem, is_quiet=args.quiet)
+    _print_result(out, demo.problem, lines(filled), is_quiet=args.quiet)
     return 1 if demo.problem else 0
+
+
+def _loaded(args: argparse.Namespace) -> World:
+    """Return the world.
+
+    Raises:
+        UserError: There is none of that name, or it cannot be driven.
+        PybulletMissingError: It cannot be simulated here.
+    """
+    try:
+        world = load_world(args.world, parsed_parameters(args.set))
+        require_pybullet()
+        _require_drivable(world)
+    except WorldError as error:
+        raise UserError(str(error)) from error
+    return world
 
 
 def _require_drivable(world: World) -> None:
@@ -104,56 +117,32 @@ def _require_drivable(world: World) -> None:
 
 def _make(
     world: World, args: argparse.Namespace, out: Path, has_window: bool
-) -> tuple[Any, tuple[str, ...]]:
-    """Return what runs in a world, and its keys of the summary."""
+) -> tuple[Any, tuple[str, ...], Callable[[dict[str, Any]], list[str]]]:
+    """Return what runs in a world, its keys of the summary, and what gives its last lines."""
     has_one_laser = len(world.robots) == 1 and load_robot(world.robots[0]).config.laser is not None
     if world.goals is not None and has_one_laser:
         args.rtf = _DAY_FACTOR if args.rtf is None else args.rtf
+        from _day_report import last_lines
         from _day_run import Day
 
-        return Day(world, args, out, has_window), _DAY_KEYS
+        return Day(world, args, out, has_window), _DAY_KEYS, last_lines
     args.rtf = _FACTOR if args.rtf is None else args.rtf
     if world.route is not None and has_one_laser:
+        from _demo_report import mapped_lines
         from _demo_run import Demo
 
-        return Demo(world, args, out, has_window), _KEYS
+        return Demo(world, args, out, has_window), _KEYS, mapped_lines
     from _demo_tour import Tour
+    from _tour_report import tour_lines
 
-    return Tour(world, args, out, has_window), _TOUR_KEYS
+    return Tour(world, args, out, has_window), _TOUR_KEYS, tour_lines
 
 
-def _print_result(out: Path, values: dict[str, Any], problem: str, *, is_quiet: bool) -> None:
+def _print_result(out: Path, problem: str, lines: list[str], *, is_quiet: bool) -> None:
     if problem:
         print(f"demo failed: {problem}", file=sys.stderr)
-    if "goals" in values:
-        from _day_report import last_lines
-
-        for line in last_lines(values):
-            say(line, is_quiet=is_quiet)
-    elif "ate_m" not in values:
-        from _tour_report import touched_text
-
-        num, people = len(values["robots"]), ""
-        if values["people"]:
-            people = f", {values['people']} {'person' if values['people'] == 1 else 'people'}"
-        text = f"{values['sim_s']:.1f} s simulated: {num} robot{'s' if num > 1 else ''}{people}"
-        touched = touched_text(values["robots"])
-        say(f"{text}; {touched}" if touched else text, is_quiet=is_quiet)
-    elif values["ate_m"]["rms"] is not None:
-        say(
-            f"{values['path_m']:.1f} m driven in {values['sim_s']:.1f} s: trajectory error "
-            f"{values['ate_m']['rms']:.3f} m rms (odometry alone ended "
-            f"{values['odometry_final_error_m']:.2f} m off)",
-            is_quiet=is_quiet,
-        )
-    if values.get("map_error_m") is not None:
-        found = values["map_found_share"] or 0.0
-        say(
-            f"map: occupied cells lie {values['map_error_m']:.3f} m from true surfaces (mean); "
-            f"{100.0 * found:.1f} % of the surface that the laser could see is in it",
-            is_quiet=is_quiet,
-        )
-    say(f"report: {out / 'report.html'}", is_quiet=is_quiet)
+    for line in (*lines, f"report: {out / 'report.html'}"):
+        say(line, is_quiet=is_quiet)
 
 
 def _has_window(args: argparse.Namespace) -> bool:
