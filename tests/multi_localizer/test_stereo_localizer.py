@@ -1,17 +1,15 @@
 import numpy as np
 import pytest
+from located import POSES, SMALL, assert_at, blind_views, turned
 from voxel_rooms import CAMERAS, room, views_at
 
 from floornav_common.se2 import SE2
-from multi_localizer.pose_estimate import difference
+from multi_localizer.pose_estimate import PoseEstimate, difference
 from multi_localizer.stereo_localizer import StereoLocalizer
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_pose import StereoState
-from multi_localizer.stereo_view import StereoView
 
-TOL_M, TOL_RAD = 0.02, 0.01
-POSES = (SE2(1.6, 1.2, 0.4), SE2(2.3, 1.6, -2.2), SE2(1.3, 1.7, 2.9))
-SMALL = {"panorama_columns": 64, "num_refined": 20, "max_hypotheses": 4}
+TOL_M = 0.02
 
 
 @pytest.fixture(scope="module")
@@ -27,24 +25,6 @@ def localizer(voxels):
 @pytest.fixture(scope="module")
 def twofold():
     return room(is_twofold=True)
-
-
-def assert_at(found, pose, tol=TOL_M, tol_rad=TOL_RAD):
-    off = difference(found.pose, pose)
-    assert np.hypot(off[0], off[1]) < tol
-    assert abs(off[2]) < tol_rad
-
-
-def blind_views():
-    shape = (8, 320)
-    nothing = np.full(shape, np.nan, np.float32)
-    color = np.full((*shape, 3), 10.0, np.float32)
-    return [StereoView(color, nothing, nothing, np.zeros(shape, np.float32)) for _ in CAMERAS]
-
-
-def turned(pose):
-    """The pose that looks the same in the twofold room."""
-    return SE2(3.2 - pose.x, 2.4 - pose.y, pose.yaw + np.pi)
 
 
 @pytest.mark.parametrize("pose", POSES)
@@ -100,70 +80,41 @@ def test_places_that_look_alike_are_said_to_be_ambiguous(twofold):
         assert min(np.hypot(x, y) + abs(yaw) for x, y, yaw in off) < 2 * TOL_M
 
 
-def drive(localizer, voxels, poses, odometry_scale=1.0, dt=0.1):
-    """Track along poses; yields what is found with the true pose."""
-    before = poses[0]
-    for k, pose in enumerate(poses):
-        motion = before.between(pose)
-        told = SE2(odometry_scale * motion.x, motion.y, odometry_scale * motion.yaw)
-        yield localizer.track(views_at(voxels, pose, noise_px=0.3, seed=k), told, dt), pose
-        before = pose
-
-
-def arc(start, num, step_m=0.05, turn=0.04):
-    poses = [start]
-    for _ in range(num - 1):
-        poses.append(poses[-1] @ SE2(step_m, 0.0, turn))
-    return poses
-
-
-def test_tracking_follows_though_odometry_is_wrong_by_a_tenth(localizer, voxels):
-    localizer.reset()
-    for found, pose in drive(localizer, voxels, arc(SE2(1.5, 1.0, 0.3), 15), 0.9):
+def test_a_pose_told_chooses_among_places_that_look_alike(twofold):
+    localizer = StereoLocalizer(twofold, CAMERAS, StereoLocalizerConfig(**SMALL))
+    pose = POSES[1]
+    views = views_at(twofold, pose)
+    assert localizer.track(views, SE2.identity(), 0.0).state is StereoState.AMBIGUOUS
+    for place in (turned(pose), pose):
+        told = SE2(place.x + 0.3, place.y - 0.2, place.yaw + 0.2)
+        localizer.relocate(PoseEstimate(told, np.diag([0.25, 0.25, 0.07])))
+        found = localizer.track(views, SE2.identity(), 0.1)
         assert found.state is StereoState.KNOWN
-        assert_at(found, pose, 0.03, 0.02)
+        assert_at(found, place, 2 * TOL_M)
+        assert localizer.track(views, SE2.identity(), 0.1).state is StereoState.KNOWN
+    assert localizer.take_refusal() == ""
 
 
-def test_tracking_settles_what_looks_alike_once_it_is_told_apart(twofold):
-    # A mark that is not seen from the first poses, but from later ones.
-    color = twofold.color.copy()
-    color[4:12, 100:120, -1] = (255, 0, 255)
-    one = type(twofold)(color, twofold.occupied, 0.02, 0.16, 0.0, 0.0, -0.16)
-    away = SE2(1.9, 1.2, np.pi / 2)
-    localizer = StereoLocalizer(one, CAMERAS, StereoLocalizerConfig(**SMALL))
-    poses = [away @ SE2(0.0, 0.0, -0.1 * k) for k in range(14)]
-    states, last = [], None
-    for found, pose in drive(localizer, one, poses):
-        states.append(found.state)
-        last = found, pose
-    assert states[0] is StereoState.AMBIGUOUS
-    assert states[-1] is StereoState.KNOWN
-    assert_at(*last)
-
-
-def test_views_covered_for_a_moment_are_bridged_by_odometry_and_then_lost(localizer, voxels):
+def test_a_pose_told_where_nothing_fits_is_refused_and_the_old_one_stays(localizer, voxels):
     localizer.reset()
-    pose = POSES[0]
-    localizer.track(views_at(voxels, pose), SE2.identity(), 0.1)
-    step = SE2(0.05, 0.0, 0.0)
-    found = localizer.track(blind_views(), step, 0.1)
-    assert found.state is StereoState.KNOWN
-    assert "by odometry" in found.reason
-    assert_at(found, pose @ step)
-    for _ in range(12):
-        found = localizer.track(blind_views(), SE2.identity(), 0.1)
-    assert found.state is StereoState.LOST
-    assert_at(localizer.track(views_at(voxels, POSES[1]), SE2.identity(), 1.0), POSES[1])
+    views = views_at(voxels, POSES[0])
+    localizer.track(views, SE2.identity(), 0.0)
+    localizer.relocate(PoseEstimate(SE2(1.6, 1.2, -2.5), np.diag([0.01, 0.01, 0.01])))
+    assert_at(localizer.track(views, SE2.identity(), 0.1), POSES[0])
+    assert "nothing in the map fits there" in localizer.take_refusal()
+    assert localizer.take_refusal() == ""
 
 
-def test_a_robot_carried_away_is_found_again(localizer, voxels):
+def test_tuning_keeps_the_pose_and_cannot_change_what_the_map_is_drawn_for(localizer, voxels):
     localizer.reset()
-    localizer.track(views_at(voxels, POSES[0]), SE2.identity(), 0.1)
-    found = None
-    for k in range(20):
-        found = localizer.track(views_at(voxels, POSES[1], seed=k), SE2.identity(), 0.1)
-    assert found.state is StereoState.KNOWN
-    assert_at(found, POSES[1])
+    views = views_at(voxels, POSES[0])
+    localizer.track(views, SE2.identity(), 0.0)
+    localizer.reconfigure(StereoLocalizerConfig(**SMALL, lost_cost=0.001))
+    assert localizer.track(views, SE2.identity(), 0.1).state is StereoState.BRIDGED
+    localizer.reconfigure(StereoLocalizerConfig(**SMALL))
+    assert localizer.track(views, SE2.identity(), 0.1).state is StereoState.KNOWN
+    with pytest.raises(ValueError, match="panorama_columns cannot be changed"):
+        localizer.reconfigure(StereoLocalizerConfig(panorama_columns=32))
 
 
 def test_views_of_another_room_fit_nowhere(localizer):

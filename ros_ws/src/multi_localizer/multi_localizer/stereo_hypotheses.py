@@ -16,14 +16,20 @@ from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_pose import StereoHypothesis, StereoPose, StereoState
 
-_WIDEST = 1.0  # m and rad, the deviation of what the views say nothing about
+WIDEST = 1.0
+"""Deviation in m and rad of what the views say nothing about."""
 
 
 def covariance(information: np.ndarray, config: StereoLocalizerConfig) -> np.ndarray:
     """Return the covariance of x, y, yaw, (3, 3), of what is known of them, not below a floor."""
-    least = np.array([config.least_error_m, config.least_error_m, config.least_error_rad])
-    cov = np.linalg.inv(information + np.eye(3) / _WIDEST**2) + np.diag(least**2)
+    cov = np.linalg.inv(information + np.eye(3) / WIDEST**2) + least_covariance(config)
     return np.asarray(0.5 * (cov + cov.T))
+
+
+def least_covariance(config: StereoLocalizerConfig) -> np.ndarray:
+    """Return what no covariance of x, y, yaw is below, (3, 3)."""
+    least = np.array([config.least_error_m, config.least_error_m, config.least_error_rad])
+    return np.asarray(np.diag(least**2))
 
 
 def hypotheses_of(

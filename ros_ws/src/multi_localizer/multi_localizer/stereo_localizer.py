@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class StereoLocalizer:
     remedy for places that look alike.
 
     Args:
-        voxels: The map.
+        voxels: The map, or the scene made of it, whose threads then share the work.
         cameras: The left camera of each pair; views are given in their order.
         config: Method and tuning.
         num_threads: Threads that share the work; the result does not depend on it.
@@ -37,7 +38,7 @@ class StereoLocalizer:
 
     def __init__(
         self,
-        voxels: VoxelMap,
+        voxels: VoxelMap | VoxelScene,
         cameras: Sequence[ViewCamera],
         config: StereoLocalizerConfig | None = None,
         num_threads: int = 1,
@@ -46,7 +47,7 @@ class StereoLocalizer:
             raise ValueError("cameras must hold at least one, got none")
         self.config = StereoLocalizerConfig() if config is None else config
         self._cameras = tuple(cameras)
-        scene = VoxelScene(voxels, num_threads)
+        scene = voxels if isinstance(voxels, VoxelScene) else VoxelScene(voxels, num_threads)
         self._published: PublishedSearch | None = None
         if self.config.method == "ours":
             self._locator = StereoLocator(scene, self._cameras, self.config)
@@ -61,6 +62,34 @@ class StereoLocalizer:
         if self._published is None:
             self._tracker.reset()
 
+    def reconfigure(self, config: StereoLocalizerConfig) -> None:
+        """Take other tuning; the pose stays.
+
+        Raises:
+            ValueError: If a value that is read-only is another one.
+        """
+        for f in fields(config):
+            is_fixed = f.metadata.get("read_only", False)
+            if is_fixed and getattr(config, f.name) != getattr(self.config, f.name):
+                raise ValueError(f"{f.name} cannot be changed, got {getattr(config, f.name)}")
+        self.config = config
+        if self._published is None:
+            self._locator.reconfigure(config)
+            self._tracker.reconfigure(config)
+        else:
+            self._published.reconfigure(config)
+
+    def relocate(self, told: PoseEstimate) -> None:
+        """Believe somebody who says where the robot is: look for it there with the next views."""
+        if self._published is None:
+            self._tracker.relocate(told)
+        else:
+            self._last = told.pose
+
+    def take_refusal(self) -> str:
+        """Return once why a told pose was not believed; "" if nothing is to be said."""
+        return "" if self._published is not None else self._tracker.take_refusal()
+
     def locate(self, views: Sequence[StereoView | None]) -> StereoPose:
         """Return the pose by one view of each pair (None where one is missing), without a guess.
 
@@ -72,12 +101,14 @@ class StereoLocalizer:
             return self._locator.locate(views)
         return self._search(self._published, views, None)
 
-    def track(self, views: Sequence[StereoView | None], motion: SE2, dt: float) -> StereoPose:
+    def track(
+        self, views: Sequence[StereoView | None], motion: SE2 | None, dt: float
+    ) -> StereoPose:
         """Return the pose after a motion; the first time, or when lost, without a guess.
 
         Args:
             views: One of each pair, None where one is missing.
-            motion: The robot's pose seen from the one before, by odometry.
+            motion: The robot's pose seen from the one before, by odometry; None without.
             dt: Time since the views before, s.
 
         Raises:
@@ -88,7 +119,8 @@ class StereoLocalizer:
             raise ValueError(f"dt must be finite and at least 0, got {dt}")
         if self._published is None:
             return self._tracker.update(views, motion, dt)
-        expected = None if self._last is None else self._last @ motion
+        carried = SE2.identity() if motion is None else motion
+        expected = None if self._last is None else self._last @ carried
         found = self._search(self._published, views, expected)
         self._last = found.pose
         return found

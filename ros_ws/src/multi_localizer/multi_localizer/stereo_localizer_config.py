@@ -111,6 +111,9 @@ class StereoLocalizerConfig:
     locate_period_s: float = param(
         0.5, "ours: time between global searches of a lost robot.", unit="s", ge=0.0
     )
+    near_sd: float = param(
+        3.0, "A pose told by initialpose may be off by so many of its deviations.", gt=0.0
+    )
     odometry_error: float = param(
         0.1, "ours: standard deviation of odometry, of 1.", ge=0.0, le=1.0
     )

@@ -41,9 +41,12 @@ class StereoLocator:
     def locate(
         self, views: Sequence[StereoView | None], near: PoseEstimate | None = None
     ) -> StereoPose:
-        """Return the pose by one view of each pair, None where one is missing."""
+        """Return the pose by one view of each pair, None where one is missing.
+
+        With `near` only poses are looked for that are near it by its covariance.
+        """
         c = self._config
-        poses = self._search.search(views, c.num_refined)
+        poses = self._search.search(views, c.num_refined, near)
         if not len(poses):
             return judged((), 1.0, c)
         coarse = targets_of(views, self._cameras, COARSE, c)
@@ -51,8 +54,8 @@ class StereoLocator:
         fine = targets_of(views, self._cameras, FINE, c)
         order = np.argsort(judge(self._scene, fine, rough.poses, c), kind="stable")
         best = rough.poses[order[: _SPARE * c.max_hypotheses]]
-        near = refine(self._scene, fine, best, c, _STEPS, c.fit_color, _LESS_LOOSE)
-        fits = self._fitted(fine, near.poses)
+        better = refine(self._scene, fine, best, c, _STEPS, c.fit_color, _LESS_LOOSE)
+        fits = self._fitted(fine, better.poses)
         costs = judge(self._scene, fine, fits.poses, c)
         again = self._fitted(fine, scattered(fits.poses[np.argsort(costs)[:_NUM_SCATTERED]]))
         fits = fits.joined(again)
@@ -65,6 +68,11 @@ class StereoLocator:
         covs = [h.estimate.cov for h in rivals]
         found = hypotheses_of(poses, covs, costs, -doubts(costs, c), c)
         return judged(found, known_part(fine), c)
+
+    def reconfigure(self, config: StereoLocalizerConfig) -> None:
+        """Take other tuning; what is read-only must be as it was."""
+        self._config = config
+        self._search.reconfigure(config)
 
     def _fitted(self, targets: Sequence[Target], poses: np.ndarray) -> Fits:
         c = self._config

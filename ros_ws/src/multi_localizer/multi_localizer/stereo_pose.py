@@ -12,9 +12,13 @@ from multi_localizer.pose_estimate import PoseEstimate
 
 
 class StereoState(Enum):
-    """How much is known of the pose."""
+    """How much is known of the pose.
+
+    `BRIDGED`: known a moment ago; the views do not fit near it, and it is carried by odometry.
+    """
 
     LOST = "lost"
+    BRIDGED = "bridged"
     AMBIGUOUS = "ambiguous"
     KNOWN = "known"
 

@@ -65,6 +65,10 @@ class Fits:
     costs: np.ndarray
     hessians: np.ndarray
 
+    def part(self, which: slice) -> Fits:
+        """Return some of them."""
+        return Fits(self.poses[which], self.costs[which], self.hessians[which])
+
     def joined(self, other: Fits) -> Fits:
         """Return these and others."""
         return Fits(

@@ -62,6 +62,10 @@ class PublishedSearch:
             self._render(self._first.poses, camera, self._sizes[0]) for camera in self._cameras
         ]
 
+    def reconfigure(self, config: StereoLocalizerConfig) -> None:
+        """Take other tuning; mesh and views stay."""
+        self._config = config
+
     def search(
         self, views: Sequence[StereoView | None], distance_weight: float
     ) -> tuple[np.ndarray, np.ndarray]:

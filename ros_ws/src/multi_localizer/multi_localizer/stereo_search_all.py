@@ -15,6 +15,7 @@ import numba
 import numpy as np
 from scipy.ndimage import minimum_filter
 
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_view import StereoView
 from multi_localizer.voxel_panorama import (
@@ -51,8 +52,20 @@ class SearchAll:
         }
         self._panoramas = tuple(by_height[c.height_m] for c in cameras)
 
-    def search(self, views: Sequence[StereoView | None], num: int) -> np.ndarray:
-        """Return the `num` best poses that are better than all around them, (N, 3), best first."""
+    def reconfigure(self, config: StereoLocalizerConfig) -> None:
+        """Take other scales; the mesh stays."""
+        self._config = config
+
+    def search(
+        self, views: Sequence[StereoView | None], num: int, near: PoseEstimate | None = None
+    ) -> np.ndarray:
+        """Return the `num` best poses that are better than all around them, (N, 3), best first.
+
+        Args:
+            views: One of each pair, None where one is missing.
+            num: How many.
+            near: Only poses within `near_sd` of its deviations; None for all.
+        """
         used = [k for k, view in enumerate(views) if view is not None]
         first = self._panoramas[used[0]]
         total = np.zeros((*first.is_free.shape, first.shape.columns), dtype=np.float32)
@@ -62,8 +75,11 @@ class SearchAll:
             total += self._moved(self._costs(k, view, k == used[0]), k, used[0])
         low = minimum_filter(total, size=3, mode=("nearest", "nearest", "wrap"))
         found = np.flatnonzero((total == low) & np.isfinite(total))
-        best = found[np.argsort(total.ravel()[found], kind="stable")[:num]]
-        return self._poses(np.stack(np.unravel_index(best, total.shape), axis=1), used[0])
+        order = found[np.argsort(total.ravel()[found], kind="stable")]
+        poses = self._poses(np.stack(np.unravel_index(order, total.shape), axis=1), used[0])
+        if near is not None:
+            poses = poses[_are_near(poses, near, self._config.near_sd)]
+        return poses[:num]
 
     def _costs(self, k: int, view: StereoView, is_first: bool) -> np.ndarray:
         """Return the sum of what the cells of pair k cost, (rows, columns, headings).
@@ -112,6 +128,13 @@ class SearchAll:
         x = panoramas.xs[nodes[:, 1]] - (c * camera.x_m - s * camera.y_m)
         y = panoramas.ys[nodes[:, 0]] - (s * camera.x_m + c * camera.y_m)
         return np.stack((x, y, np.pi - (np.pi - yaw) % (2.0 * np.pi)), axis=1)
+
+
+def _are_near(poses: np.ndarray, near: PoseEstimate, most_sd: float) -> np.ndarray:
+    """Return which poses are within so many deviations of where the robot is said to be, (N,)."""
+    off = poses - near.pose.as_array()
+    off[:, 2] = (off[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
+    return np.asarray((off * np.linalg.solve(near.cov, off.T).T).sum(axis=1) <= most_sd**2)
 
 
 def _overlap(shift: int, length: int) -> tuple[slice, slice]:
