@@ -36,6 +36,7 @@ GLASS_NAMES = ("glass", "frame")
 _PER_EDGE = 12
 _TRACK_EVERY = 25  # steps between two kept poses
 _HEIGHT_M = 0.41
+_NEAR_M = 1.6  # from the base to a solid that is judged: the outline reaches 0.57 m
 
 
 @dataclass(frozen=True)
@@ -105,8 +106,8 @@ class _Run:
         self._robot = MappingRobot(row, model, self._goals[0][0])
         self._outline = _outline(model.config.footprint_m)
         low = [s for s in simulation.solids if s.bottom < _HEIGHT_M]
-        self._glass = [s for s in low if s.name in GLASS_NAMES]
-        self._things = [s for s in low if s.name not in GLASS_NAMES]
+        self._glass = _Near([s for s in low if s.name in GLASS_NAMES])
+        self._things = _Near([s for s in low if s.name not in GLASS_NAMES])
         self._track: list[tuple[float, float, float]] = []
         self._touched, self._path, self._error = "", 0.0, 0.0
         self._nearest = math.inf
@@ -163,7 +164,7 @@ class _Run:
         thought = self._T_world_map @ self._robot.T_map_base
         self._error = max(self._error, math.hypot(thought.x - pose.x, thought.y - pose.y))
         outline = pose @ self._outline
-        to_glass, to_thing = _least(self._glass, outline), _least(self._things, outline)
+        to_glass, to_thing = self._glass.least(pose, outline), self._things.least(pose, outline)
         self._nearest = min(self._nearest, to_glass)
         if is_touching or min(to_glass, to_thing) <= 0.0:
             self._touched = "glass" if to_glass <= to_thing else "thing"
@@ -204,8 +205,21 @@ def _median(values: Sequence[float]) -> float | None:
     return float(np.median(values)) if values else None
 
 
-def _least(solids: list[Solid], points: np.ndarray) -> float:
-    return min((float(s.signed_distance(points).min()) for s in solids), default=math.inf)
+class _Near:
+    """Solids, of which those near the robot are looked at."""
+
+    def __init__(self, solids: list[Solid]) -> None:
+        self._solids = solids
+        middles = [(s.pose.x, s.pose.y, math.hypot(*s.size[:2]) / 2.0) for s in solids]
+        self._middles = np.array(middles).reshape(-1, 3)
+
+    def least(self, pose: SE2, points: np.ndarray) -> float:
+        """Return the least distance of points of the robot to a solid, m; inf beyond 1 m or so."""
+        x, y, radius = self._middles.T
+        near = np.flatnonzero(np.hypot(x - pose.x, y - pose.y) - radius < _NEAR_M)
+        return min(
+            (float(self._solids[k].signed_distance(points).min()) for k in near), default=math.inf
+        )
 
 
 def _outline(corners: Sequence[Sequence[float]]) -> np.ndarray:
