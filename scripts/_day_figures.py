@@ -12,18 +12,15 @@ from _day_heard import Track, due_stamps, inputs_handled, pose_errors
 from _day_load import LoadMeter
 from _day_robot import OURS, pilot_of
 from _day_watch import DayWatch
-from _demo_report import OCCUPIED, in_world
-from experiments.glass_truth import distance_to_segments, outlines, pane_lines, samples
+from _demo_glass import glass_recall
+from _demo_report import in_world
 from experiments.goal_drives import GoalDrive
 from experiments.goal_judge import Surroundings, judge
-from floornav_common.grid import OccupancyMap
 from floornav_common.se2 import SE2
 from sim_bridge.robot_model import RobotModel
-from sim_bridge.solids import Solid, solids_of
+from sim_bridge.solids import solids_of
 from sim_bridge.world import World
 
-NEAR_GLASS_M = 1.5
-_FOUND_M, _APART_M = 0.10, 0.10
 _UNDER_WAY_NS = 500_000_000  # the last of what is measured may be under way at the end
 LOCALIZERS = {"grid_mapper": True, "stereo_localizer": False}
 """Whether a localizer's map is the robot's own, which begins at the start pose."""
@@ -73,31 +70,6 @@ def localizer_tracks(watch: DayWatch, start: SE2) -> dict[str, Track]:
         if name in poses
     }
     return {**found, "odometry": in_world(watch.heard.odometry, start)}
-
-
-def glass_recall(
-    grid: OccupancyMap | None, start: SE2, solids: list[Solid], way: np.ndarray
-) -> float | None:
-    """Return the share of the glass near the way that is occupied in a map; None without any.
-
-    Glass is taken every 5 cm. It counts where the robot's middle came within 1.5 m of it and
-    nothing opaque stands within 10 cm; it is found if an occupied cell lies within 10 cm.
-    """
-    panes = pane_lines([solid for solid in solids if solid.glass is not None])
-    points = samples(panes)
-    if grid is None or not len(points) or len(way) < 2:
-        return None
-    opaque = outlines([solid for solid in solids if solid.glass is None])
-    thin = way[:: max(1, len(way) // 2000)]
-    near = distance_to_segments(points, np.hstack((thin[:-1], thin[1:]))) <= NEAR_GLASS_M
-    judged = points[near & (distance_to_segments(points, opaque) > _APART_M)]
-    occupied = start @ grid.to_points(np.argwhere(grid.cells >= OCCUPIED))
-    if not len(judged):
-        return None
-    if not len(occupied):
-        return 0.0
-    gaps = np.array([np.hypot(*(occupied - point).T).min() for point in judged])
-    return float((gaps <= _FOUND_M).mean())
 
 
 def _shares(world: World, model: RobotModel, watch: DayWatch, bag: Path) -> dict[str, float | None]:

@@ -21,6 +21,8 @@ _PX_PER_M, _MARGIN_M, _COLORS = 44.0, 0.35, 32
 _UNKNOWN, _FREE, _WALL, _GLASS = (217, 221, 226), (255, 255, 255), (18, 23, 31), (26, 158, 204)
 _TRUTH, _ROBOT, _PERSON, _GOAL = (150, 185, 235), (26, 127, 75), (224, 134, 26), (179, 19, 75)
 _TEXT = (60, 66, 76)
+_USED = (_UNKNOWN, _FREE, _WALL, _GLASS, _TRUTH, _ROBOT, _PERSON, _GOAL, _TEXT)
+_STRIP_PX = 26  # for the text, below the picture
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
@@ -52,7 +54,9 @@ def write_film(path: Path, record: GoalRecord, maps: Sequence[MapShot], stage: S
     view = _View(stage)
     stamps = np.linspace(record.truth[0][0], record.truth[-1][0], FRAMES).astype(int)
     frames = [view.frame(record, maps, int(stamp)) for stamp in stamps]
-    palette = Image.fromarray(frames[-1]).quantize(_COLORS)
+    # What is small counts as much as what is large: every color has a stripe of its own.
+    stripes = [np.full((24, frames[0].shape[1], 3), color, np.uint8) for color in _USED]
+    palette = Image.fromarray(np.vstack((frames[-1], *stripes))).quantize(_COLORS)
     images = [
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in frames
@@ -75,7 +79,8 @@ class _View:
     def frame(self, record: GoalRecord, maps: Sequence[MapShot], stamp_ns: int) -> np.ndarray:
         """Return one picture, (H, W, 3), RGB uint8."""
         width, height = self._size.tolist()
-        image = np.full((height, width, 3), _UNKNOWN, np.uint8)
+        image = np.full((height + _STRIP_PX, width, 3), _FREE, np.uint8)
+        image[:height] = _UNKNOWN
         known = [shot for shot in maps if shot[0] <= stamp_ns]
         if known:
             self._draw_map(image, known[-1])
@@ -86,7 +91,7 @@ class _View:
         self._draw_robot(image, record, stamp_ns)
         states = [state for ns, state, _ in record.states if ns <= stamp_ns]
         text = f"{stamp_ns * 1e-9:5.1f} s  {states[-1] if states else ''}"
-        cv2.putText(image, text, (10, height - 12), _FONT, 0.5, _TEXT, 1, cv2.LINE_AA)
+        cv2.putText(image, text, (10, height + 18), _FONT, 0.5, _TEXT, 1, cv2.LINE_AA)
         return image
 
     def _draw_map(self, image: np.ndarray, shot: MapShot) -> None:

@@ -146,6 +146,10 @@ def mapped_lines(values: dict[str, Any]) -> list[str]:
             f"map: occupied cells lie {values['map_error_m']:.3f} m from true surfaces (mean); "
             f"{100.0 * found:.1f} % of the surface that the laser could see is in it"
         )
+    if values.get("glass_recall") is not None:
+        lines.append(
+            f"glass: {100.0 * values['glass_recall']:.0f} % of what it passed is in the map"
+        )
     return lines
 
 

@@ -15,6 +15,7 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 
 from _demo_domain import refuse_other_clock
+from _demo_glass import glass_recall
 from _demo_pictures import write_first_images, write_overview, write_pictures
 from _demo_report import figures, in_world, write_report, write_tum
 from _demo_surface import visible_surface
@@ -92,6 +93,7 @@ class Demo:
         return {
             **found,
             "scans": self._num_scans(),
+            "glass_recall": self._glass_recall(surfaces),
             "touched": self._heard.has_touched,
             "bag": "bag" if is_there else None,
             **({"problem": self.problem} if self.problem else {}),
@@ -190,6 +192,10 @@ class Demo:
         mount = Transform3(model.mounts[laser.frame]).to_se2()
         poses = [pose @ mount for _, pose in self._heard.truth]
         return visible_surface(surfaces, poses, beam_angles(laser), laser.range_max_m)
+
+    def _glass_recall(self, surfaces: list[Solid]) -> float | None:
+        way = np.array([(pose.x, pose.y) for _, pose in self._heard.truth]).reshape(-1, 2)
+        return glass_recall(self._heard.grid, self._start, surfaces, way)
 
     def _laser_height(self) -> float:
         model = load_robot(self._world.robots[0])

@@ -4,6 +4,7 @@ In a world with goals (`flat_day`, taken if none is named) the whole graph of no
 sensors ask for maps, localizes, plans and drives to them among people; the same goals are then
 driven offline as most robots do today, and the page sets the two side by side.
 
+On the `field` four robots locate each other; the `corridor` is that of the glass paper.
 In a world with a route for one robot with a laser, grid_mapper maps and route_follower steers by
 its pose. In every other world the robots are driven by a script, and the page shows the world from
 above and what each sensor gave. Nothing but the judge knows the ground truth.
@@ -42,7 +43,7 @@ _KEYS = (
     "world", "sim_s", "rtf", "path_m", "scans", "scans_used", "ate_m", "final_error_m",
     "final_yaw_error_deg", "odometry_ate_m", "odometry_final_error_m",
     "odometry_final_yaw_error_deg", "map_error_m", "map_error_p95_m", "map_found_share",
-    "occupied_cells", "touched", "bag",
+    "occupied_cells", "glass_recall", "touched", "bag",
 )  # fmt: skip
 _MAX_FACTOR = 1000.0  # what sim_bridge takes
 _DAY_FACTOR, _FACTOR = 1.0, 3.0
@@ -51,6 +52,9 @@ _DAY_KEYS = (
     "time_s", "path_m", "touched", "sim_s", "rtf", "glass_recall", "pose_error_m",
     "inputs_handled", "latency_ms", "load", "baseline", "bag",
 )  # fmt: skip
+_FIELD_KEYS = ("world", "sim_s", "pose_error_m", "images")
+_SHORT = {"corridor": "glass_corridor", "field": "middle_size_field"}
+"""Short names of worlds; `field` is more than its world: the team locates itself there."""
 _TOUR_KEYS = ("world", "sim_s", "rtf", "robots", "people", "bag")
 
 
@@ -94,7 +98,7 @@ def _loaded(args: argparse.Namespace) -> World:
         PybulletMissingError: It cannot be simulated here.
     """
     try:
-        world = load_world(args.world, parsed_parameters(args.set))
+        world = load_world(_SHORT.get(args.world, args.world), parsed_parameters(args.set))
         require_pybullet()
         _require_drivable(world)
     except WorldError as error:
@@ -126,7 +130,13 @@ def _make(
         from _day_run import Day
 
         return Day(world, args, out, has_window), _DAY_KEYS, last_lines
+    if args.world == "field":
+        args.rtf = args.rtf or _DAY_FACTOR
+        from _field_run import Field, field_lines
+
+        return Field(world, args, out, has_window), _FIELD_KEYS, field_lines
     args.rtf = _FACTOR if args.rtf is None else args.rtf
+    args.world = _SHORT.get(args.world, args.world)
     if world.route is not None and has_one_laser:
         from _demo_report import mapped_lines
         from _demo_run import Demo
@@ -153,7 +163,7 @@ def _has_window(args: argparse.Namespace) -> bool:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    text = f"name of a world ({', '.join(world_names())}) or path of a world file"
+    text = f"{', '.join((*_SHORT, *world_names()))}, or path of a world file (default: flat_day)"
     parser.add_argument("world", nargs="?", default="flat_day", metavar="WORLD", help=text)
     window = parser.add_mutually_exclusive_group()
     window.add_argument("--headless", action="store_true", help="no window (default: no display)")

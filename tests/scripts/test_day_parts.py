@@ -12,7 +12,6 @@ import yaml
 pytest.importorskip("rclpy", reason="no ROS: the demo talks over DDS")
 pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
 
-from _day_figures import glass_recall
 from _day_goals import GoalSender
 from _day_heard import due_stamps, error_rows, inputs_handled, pose_errors
 from _day_latency import Latencies, StampClock, share_answered
@@ -20,6 +19,7 @@ from _day_load import LoadMeter, cpu_seconds, resident_mb
 from _day_nodes import changed, node_names, write_settings
 from _day_pictures import nearest_person
 from _day_robot import OURS, USUAL, pilot_of
+from _demo_glass import glass_recall
 from experiments.goal_record import GoalRecord
 from floornav_common.config_files import load_config
 from floornav_common.grid import OccupancyMap
