@@ -40,7 +40,7 @@ class Candidate:
 
 def loop_candidates(
     poses: Sequence[SE2], edges: Sequence[Edge], ways: np.ndarray, differences: np.ndarray,
-    config: LoopConfig,
+    has_scan: np.ndarray, config: LoopConfig,
 ) -> list[Candidate]:  # fmt: skip
     """Return the places to compare with the newest node, the likeliest first.
 
@@ -52,6 +52,7 @@ def loop_candidates(
         edges: Of the graph.
         ways: Length driven up to each node, shape (N,), m.
         differences: How different each node's place looks from the newest's, shape (N,), m.
+        has_scan: Which nodes still have their scans, shape (N,), bool.
         config: How far to look.
     """
     newest = len(poses) - 1
@@ -60,7 +61,7 @@ def loop_candidates(
     distance = np.hypot(*(points - points[newest]).T)
     reach = np.minimum(SIGMAS * sigma_m, config.max_search_m) + config.reach_m
     is_sure = sigma_m <= config.sure_sigma_m
-    is_near = (distance < reach) & (ways[newest] - ways > config.min_way_m)
+    is_near = (distance < reach) & (ways[newest] - ways > config.min_way_m) & has_scan
     is_near &= is_sure | (differences < config.max_difference_m)
     unlikeness = distance + sigma_m + np.where(is_sure, 0.0, differences)
     nearest = _nearest_of_passes(is_near, distance + np.where(is_sure, 0.0, differences))
@@ -71,19 +72,23 @@ def loop_candidates(
     ]
 
 
-def near_pairs(poses: Sequence[SE2], ways: np.ndarray, config: LoopConfig) -> list[Candidate]:
+def near_pairs(
+    poses: Sequence[SE2], ways: np.ndarray, has_scan: np.ndarray, config: LoopConfig
+) -> list[Candidate]:
     """Return pairs of nodes that are near each other by the graph, of every node the nearest.
 
     Args:
         poses: Of all nodes; their word is taken.
         ways: Length driven up to each node, shape (N,), m.
+        has_scan: Which nodes still have their scans, shape (N,), bool.
         config: How far is near.
     """
     points = np.array([(p.x, p.y) for p in poses])
     pairs = []
-    for query in range(len(points)):
+    for query in np.flatnonzero(has_scan).tolist():
         distance = np.hypot(*(points - points[query]).T)
         is_near = (distance < config.reach_m) & (abs(ways - ways[query]) > config.min_way_m)
+        is_near &= has_scan
         nearest = _nearest_of_passes(is_near, distance)
         nearest.sort(key=lambda k: float(distance[k]))
         pairs += [Candidate(query, k, 0.0, 0.0) for k in nearest[: config.max_candidates]]

@@ -8,6 +8,7 @@ import numpy as np
 
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
+from grid_mapper.frame_thinning import thinned_frames
 from grid_mapper.key_frames import Edge, KeyFrame, chain_edge
 from grid_mapper.loop_candidates import Candidate, loop_candidates, near_pairs
 from grid_mapper.loop_verification import agree, verify
@@ -24,6 +25,8 @@ MAX_DEVIATIONS = 5.0
 SOLVED_DEVIATIONS, MAX_UNSOLVED = 1.0, 20
 """Loops that the graph is nearer to than this wait for others, until there are so many."""
 MAX_PENDING = 20
+THINNED_EVERY = 200
+"""Nodes after which older scans of one place are thrown out."""
 CONFIRM_WAY_M = 0.3
 """Way between two loops that confirm each other, at least."""
 
@@ -65,9 +68,9 @@ class LoopCloser:
         if self._ways[-1] - self._searched_way < loop.search_distance_m:
             return False
         self._searched_way = self._ways[-1]
-        candidates = loop_candidates(
-            self.poses, self.edges, np.array(self._ways), self._looks.differences(), loop
-        )
+        looks, has_scan = self._looks.differences(), self._has_scan()
+        ways = np.array(self._ways)
+        candidates = loop_candidates(self.poses, self.edges, ways, looks, has_scan, loop)
         found = [edge for candidate in candidates for edge in self._compare(candidate)]
         if not found:
             return False
@@ -84,7 +87,7 @@ class LoopCloser:
         if self.num_loops == 0:
             return
         loop, matcher = self.config.loop, self.config.matcher
-        pairs = near_pairs(self.poses, np.array(self._ways), loop)
+        pairs = near_pairs(self.poses, np.array(self._ways), self._has_scan(), loop)
         verdicts = [verify(self.frames, self.poses, pair, loop, matcher) for pair in pairs]
         found = [verdict.edge for verdict in verdicts if verdict.edge is not None]
         renewed = {edge.second for edge in found}
@@ -117,7 +120,14 @@ class LoopCloser:
             self.poses.append(self.poses[-1] @ edge.T_first_second)
             self._ways.append(self._ways[-1] + edge.T_first_second.distance)
         self.frames.append(frame)
+        if len(self.frames) % THINNED_EVERY == 0:
+            most = self.config.loop.max_scans_a_place
+            self.frames = thinned_frames(self.frames, self.poses, most)
         self._looks.add(frame.points.points)
+
+    def _has_scan(self) -> np.ndarray:
+        """Return which nodes still have their scans, shape (N,)."""
+        return np.array([len(frame.points) > 0 for frame in self.frames])
 
     def _compare(self, candidate: Candidate) -> list[Edge]:
         """Return the loops that this candidate brings: none, itself, or itself and one before."""

@@ -37,6 +37,12 @@ class LoopConfig:
         8.0, "No loop is looked for further off than this.", unit="m", gt=0.0
     )
     max_candidates: int = param(3, "Places compared at a time, at most.", ge=1)
+    max_scans_a_place: int = param(
+        12,
+        "Key scans kept of one place (half a meter, about one way): older nodes stay in the graph "
+        "without theirs.",
+        ge=2,
+    )
     submap_nodes: int = param(6, "Nodes to each side that make up a place.", ge=1)
     min_overlap: float = param(
         0.5, "A loop of a smaller share of the points is refused.", ge=0.0, le=1.0
