@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from _environment import ROOT, clean_child_environment
-from _package_links import link_packages, links_key
+from _package_links import link_packages, linked_checkout, links_key
 from _pip_progress import pip_install
 from _python_choice import choose_python, probe
 from _tf2_msgs import SOURCE_DIR, BuildToolMissingError, build_tf2_msgs, check_compiler, find_cmake
@@ -125,11 +125,22 @@ def _make(home):
     if stamp.get("tf2_msgs") != tf2_key(home, stamp):
         _make_tf2_msgs(home, stamp)
     if stamp.get("packages") != links_key():
+        _warn_of_other_checkout(home)
         link_packages(home.prefix)
-        stamp["packages"] = links_key()
+        stamp["packages"], stamp["checkout"] = links_key(), str(ROOT)
         write_stamp(home.prefix, stamp)
     if is_new:
         say(f"environment ready after {time.monotonic() - start:.0f} s")
+
+
+def _warn_of_other_checkout(home):
+    other = linked_checkout(home.prefix)
+    if other is not None:
+        say(
+            f"WARNING: the environment {home.prefix} belonged to {other}; from now on what runs in "
+            f"it is the code of {ROOT}, also what was started from there. FLOORNAV_VENV must name "
+            "another folder for each checkout"
+        )
 
 
 def _make_libraries(home):

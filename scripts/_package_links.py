@@ -76,6 +76,19 @@ def link_packages(prefix):
         _write_executables(package, prefix)
 
 
+def linked_checkout(prefix):
+    """Return the other checkout whose packages an environment has; None if it is this one's.
+
+    A checkout that is not there any more has nothing to lose and does not count.
+    """
+    for path in Path(prefix).glob("lib/python3.*/site-packages/floornav.pth"):
+        for line in path.read_text().splitlines():
+            folder = Path(line)
+            if SOURCES not in folder.parents and folder.is_dir():
+                return folder.parents[2]
+    return None
+
+
 def _write_metadata(package, site_packages):
     """Write the metadata by which importlib.metadata finds version and entry points."""
     for old in site_packages.glob(f"{package.name}-*.dist-info"):

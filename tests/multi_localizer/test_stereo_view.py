@@ -77,7 +77,20 @@ def test_what_does_not_fit_is_refused():
         observe(good[0][:3], good[1], CAMERA, 9.0, (2, 2))
     with pytest.raises(ValueError, match="as the camera's"):
         observe(good[0], good[1][:, :, 0], CAMERA, 9.0, (2, 2))
-    with pytest.raises(ValueError, match="at most as large"):
-        observe(*good, CAMERA, 9.0, (8, 2))
+    with pytest.raises(ValueError, match="at least one column"):
+        observe(*good, CAMERA, 9.0, (0, 2))
     with pytest.raises(ValueError, match="must divide"):
         coarser(observe(*good, CAMERA, 9.0, (4, 4)), (3, 1))
+
+
+@pytest.mark.parametrize("width", [160, 240, 320, 424, 640, 752, 800])
+def test_the_middles_of_blocks_are_where_the_rays_through_them_are(width):
+    camera = ViewCamera(width, 240, 300.0, 0.1, 1.0)
+    left = np.zeros((240, width, 3), dtype=np.uint8)
+    left[..., 0], left[..., 1] = np.arange(width) % 256, np.arange(width) // 256
+    view = observe(np.full((240, width), 10.0, np.float32), left, camera, 10.0)
+    assert view.color.shape == (8, 320, 3)
+    seen = view.color[..., 0] + 256.0 * view.color[..., 1]
+    asked = camera.center_px[0] - 300.0 * camera.rays(320, 8)[..., 0]
+    assert abs(float(np.mean(seen - asked))) < 0.03
+    assert np.abs(seen - asked).max() <= 0.51

@@ -299,6 +299,31 @@ def test_tf2_msgs_is_tried_again_when_a_compiler_has_come(
     assert build.is_current(home)
 
 
+def test_an_environment_taken_over_from_another_checkout_is_warned_of(
+    home: build.Home,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setattr(build, "home_prefix", lambda is_system: home.prefix)
+    pth = home.prefix / "lib" / "python3.11" / "site-packages" / "floornav.pth"
+    pth.parent.mkdir(parents=True)
+    links.link_packages(home.prefix)
+    ours = pth.read_text()
+    theirs = tmp_path / "other" / "ros_ws" / "src" / "grid_mapper"
+    pth.write_text(f"{theirs}\n")
+    build.write_stamp(home.prefix, {**build.read_stamp(home.prefix), "packages": "theirs"})
+    assert links.linked_checkout(home.prefix) is None  # it is not there any more
+    theirs.mkdir(parents=True)
+    build.ready_home()
+    said = capsys.readouterr().err
+    assert f"belonged to {tmp_path / 'other'}; " in said and str(build.ROOT) in said
+    assert pth.read_text() == ours and links.linked_checkout(home.prefix) is None
+    assert build.read_stamp(home.prefix)["checkout"] == str(build.ROOT)
+    build.ready_home()
+    assert capsys.readouterr().err == ""
+
+
 # tf2_msgs
 
 

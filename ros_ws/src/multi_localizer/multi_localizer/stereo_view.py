@@ -49,10 +49,10 @@ def observe(
         left: (H, W, 3), RGB, uint8.
         camera: The left camera.
         farthest_m: Nothing is farther: what a smaller disparity says is put there.
-        size: Columns and rows of the view.
+        size: Columns and rows of the view; where the image has fewer, its pixels stand in several.
 
     Raises:
-        ValueError: If the images are not of the camera's size, or the view is larger than they are.
+        ValueError: If the images are not of the camera's size, or the view has no pixels.
     """
     shape = camera.height_px, camera.width_px
     if disparity.shape != shape or left.shape != (*shape, 3):
@@ -60,15 +60,18 @@ def observe(
             f"images must be {shape} as the camera's, got {disparity.shape} and {left.shape}"
         )
     columns, rows = size
-    if not 0 < columns <= camera.width_px or not 0 < rows <= camera.height_px:
-        raise ValueError(f"a view must be at most as large as its image, got {size}")
+    if columns < 1 or rows < 1:
+        raise ValueError(f"a view must have at least one column and row, got {size}")
     color = np.empty((rows, columns, 3), dtype=np.float32)
     distance, inverse, weight = (np.empty((rows, columns), dtype=np.float32) for _ in range(3))
     least = camera.pixel_meters / farthest_m
     shifted = disparity.astype(np.float32) - np.float32(camera.disparity_offset_px)
     seen = np.maximum(shifted, np.float32(least)) / np.float32(camera.pixel_meters)
     image = np.array(left, dtype=np.uint8, order="C")
-    _reduce(seen, image, *_edges(shape, size), color, distance, inverse, weight)
+    _reduce(
+        seen, image, _blocks(shape[0], rows), _blocks(shape[1], columns), color, distance, inverse,
+        weight,
+    )  # fmt: skip
     return StereoView(color, distance, inverse, weight)
 
 
@@ -94,22 +97,28 @@ def coarser(view: StereoView, size: tuple[int, int]) -> StereoView:
     return StereoView(color, mean(view.distance), mean(view.inverse), share)
 
 
-def _edges(shape: tuple[int, int], size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    return (
-        np.linspace(0, shape[0], size[1] + 1).astype(np.int64),
-        np.linspace(0, shape[1], size[0] + 1).astype(np.int64),
-    )
+def _blocks(length: int, num: int) -> np.ndarray:
+    """Return the first pixel of each of `num` blocks and the one after its last, (num, 2).
+
+    Edges between pixels are rounded, so that the middles of the blocks are on average where
+    `ViewCamera.rays` has them.
+    """
+    if num > length:
+        middles = np.floor((np.arange(num) + 0.5) * length / num).astype(np.int64)
+        return np.stack((middles, middles + 1), axis=1)
+    edges = np.rint(np.linspace(0, length, num + 1)).astype(np.int64)
+    return np.stack((edges[:-1], edges[1:]), axis=1)
 
 
 @numba.njit(cache=True, error_model="numpy", nogil=True)
-def _reduce(seen, image, row_edges, column_edges, color, distance, inverse, weight):  # type: ignore[no-untyped-def]
-    """Fill in a view from inverse distances (H, W), NaN where unknown, and an image."""
+def _reduce(seen, image, rows, columns, color, distance, inverse, weight):  # type: ignore[no-untyped-def]
+    """Fill in a view from inverse distances (H, W), NaN where unknown, and an image, by blocks."""
     known = np.empty(seen.size, dtype=np.float32)
     for v in range(color.shape[0]):
         for u in range(color.shape[1]):
             total, num, far, red, green, blue = 0, 0, 0.0, 0.0, 0.0, 0.0
-            for y in range(row_edges[v], row_edges[v + 1]):
-                for x in range(column_edges[u], column_edges[u + 1]):
+            for y in range(rows[v, 0], rows[v, 1]):
+                for x in range(columns[u, 0], columns[u, 1]):
                     total += 1
                     red += image[y, x, 0]
                     green += image[y, x, 1]
