@@ -28,6 +28,7 @@ EXPERIMENTS = {
     "loop-drives": "laps round a simulated corridor before and after closing loops; false loops",
     "slam": "office floors with glass, loops and people before and after closing loops",
     "relocalization": "a lost robot in a map made before: found, how soon, false claims",
+    "long-run": "lap after lap: memory, graph and time against the way driven",
     "determinism": "one recording mapped again and again, partly under load: the same bytes?",
     "sensor-models": "simulated sensors beside what their settings promise",
     "free-space": "polar free space beside the truth: cubes missed, phantoms, errors, templates",

@@ -51,7 +51,10 @@ def corridor_loop(num_beams: int, fov_rad: float, seed: int, num_scans: int = NU
     return Drive(scans, truth)
 
 
-def ring_laps(num_beams: int, fov_rad: float, seed: int, num_scans: int, laps: int = 2) -> Drive:
+def ring_laps(
+    num_beams: int, fov_rad: float, seed: int, num_scans: int, laps: int = 2,
+    rng_drive: np.random.Generator | None = None,
+) -> Drive:  # fmt: skip
     """Make a drive of several laps, each up to 0.4 m beside the middle of the corridor.
 
     Args:
@@ -60,9 +63,11 @@ def ring_laps(num_beams: int, fov_rad: float, seed: int, num_scans: int, laps: i
         seed: Of the furniture, the ways and the noise.
         num_scans: Scans a lap.
         laps: How often round.
+        rng_drive: Draws ways and noise; by default what `seed` has left behind the furniture.
     """
     rng = np.random.default_rng(seed)
     walls = _plan(rng)
+    rng = rng if rng_drive is None else rng_drive
     truth: list[SE2] = []
     for _ in range(laps):
         beside = SE2(0.0, float(rng.uniform(-0.4, 0.4)), 0.0)
