@@ -36,7 +36,7 @@ _MAP_NS, _MAP_DELAY_NS = 1_000_000_000, 150_000_000
 _LOOK_NS = 500_000_000
 # The simulated robot: its outline, and the limits of docs/drive-among-people.md.
 ROBOT = RobotConfig(
-    drive="differential", radius_m=0.57, margin_m=0.03, front_m=0.20, rear_m=0.49,
+    drive="differential", radius_m=0.57, margin_m=0.1, front_m=0.20, rear_m=0.49,
     half_width_m=0.28, speed_m_s=0.6, accel_m_s2=0.6, idle_time_s=0.1,
 )  # fmt: skip
 # A way is for what follows it: `sjmc` knows the robot's box, `vfh_plus` takes it for a circle.
@@ -135,7 +135,7 @@ class MappingRobot:
         now = self._command
         self._look(stamp_ns)
         if self._target is None or self._scan is None or self._odometry is None:
-            self._command = ramped(now, STILL, ROBOT, PERIOD_NS * 1e-9)
+            self._command = STILL
             return base.Velocity(now.x, now.yaw_rate, now.y)
         moved = self._asked_at.between(self._odometry)
         self._asked_at = self._odometry

@@ -1,9 +1,11 @@
 """Glass that a sonar hears close by, before any map knows it.
 
 A map takes its time: a pane is one once it was heard from several places. A robot that comes near
-listens to its sonars itself. An echo from close by that nothing in the scan explains stands for an
-obstacle over the whole width of its cone, for a while, once a second echo came from there: what
-only one reading heard may be another sonar's sound.
+listens to its sonars itself. An echo from close by that nothing in the scan explains, once a second
+one came from there (what only one reading heard may be another sonar's sound), stands for a piece
+of a pane for a while: glass is flat and answers squarely, so it lies across the way of the sound,
+and it goes on to either side, to the next post that the scan shows. Without that a robot that comes
+at a slant would touch with a corner what its sonars meet only beside it.
 """
 
 from __future__ import annotations
@@ -22,8 +24,9 @@ Heard = tuple[RangeReading, SE2]
 _UNSAID_RAD = math.pi / 9.0  # opening of a cone that no message says
 _EDGE_RAD = 0.05  # what the scan shows this far beside a cone explains its echo too
 _ABOUT = 0.1  # ... and this near to its range, m
-_APART = 0.04  # between points of an arc, m
-_AGREE = 0.1  # echoes whose arcs come this near to each other are of one thing, m
+_APART = 0.04  # between points, m
+_AGREE = 0.1  # echoes whose cones end this near to each other are of one thing, m
+_POST = 0.1  # what the scan shows this near to a pane ends it, m
 
 
 class NearEchoes:
@@ -38,6 +41,7 @@ class NearEchoes:
         self._points = np.zeros((0, 2))
         self._age = np.zeros(0)
         self._echo = np.zeros(0, dtype=np.int64)  # which one each point is of
+        self._is_heard = np.zeros(0, dtype=bool)  # within the cone, not beside it
         self._is_sure = np.zeros(0, dtype=bool)
         self._num = 0
 
@@ -57,53 +61,76 @@ class NearEchoes:
         self._points = moved.inverse() @ self._points
         ends = seen.T_base_sensor @ seen.scan.points()
         for reading, T_base_sonar in heard:
-            if reading.is_hit and reading.range <= self._config.echo_m:
-                arc = unexplained_arc(reading, T_base_sonar, ends)
-                self._add(_before(arc, seen))
+            r = distance_heard(reading)
+            if r <= self._config.echo_m:
+                opening = reading.field_of_view
+                points, is_heard = pane_of(r, opening, T_base_sonar, ends, self._config.pane_m)
+                shows = _before(points, seen)
+                self._add(points[shows], is_heard[shows])
         return self._points[self._is_sure]
 
     def _keep(self, which: np.ndarray) -> None:
         self._points, self._age = self._points[which], self._age[which]
         self._echo, self._is_sure = self._echo[which], self._is_sure[which]
+        self._is_heard = self._is_heard[which]
 
-    def _add(self, arc: np.ndarray) -> None:
+    def _add(self, points: np.ndarray, is_heard: np.ndarray) -> None:
         """Add an echo; it and those that agree with it are sure."""
-        if not len(arc):
+        old, new = self._points[self._is_heard], points[is_heard]
+        if not len(new):
             return
-        near = np.hypot(*(self._points[:, None] - arc[None]).transpose(2, 0, 1)) <= _AGREE
-        agrees = np.isin(self._echo, self._echo[near.any(axis=1)])
+        near = np.hypot(*(old[:, None] - new[None]).transpose(2, 0, 1)) <= _AGREE
+        agrees = np.isin(self._echo, self._echo[self._is_heard][near.any(axis=1)])
         self._is_sure |= agrees
         self._num += 1
-        num = len(arc)
-        self._points = np.concatenate((self._points, arc))
+        num = len(points)
+        self._points = np.concatenate((self._points, points))
         self._age = np.concatenate((self._age, np.zeros(num)))
         self._echo = np.concatenate((self._echo, np.full(num, self._num)))
+        self._is_heard = np.concatenate((self._is_heard, is_heard))
         self._is_sure = np.concatenate((self._is_sure, np.full(num, bool(agrees.any()))))
 
 
-def unexplained_arc(reading: RangeReading, T_base_sonar: SE2, ends: np.ndarray) -> np.ndarray:
-    """Return points over the width of a cone at its echo's range, shape (K, 2), m.
+def distance_heard(reading: RangeReading) -> float:
+    """Return how far off an echo came from, m; inf for none. Too near to measure is `min_range`."""
+    if reading.is_hit:
+        return reading.range
+    return reading.min_range if reading.range == -math.inf else math.inf
 
-    None if something that the scan shows stands there in the cone.
+
+def pane_of(
+    r: float, opening: float, T_base_sonar: SE2, ends: np.ndarray, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the piece of a pane that an echo stands for, and which of its points are in the cone.
+
+    No points if something that the scan shows stands there in the cone.
 
     Args:
-        reading: With an echo.
+        r: How far off the echo came from, m.
+        opening: Of the cone, rad; as the message says.
         T_base_sonar: The sonar, which looks along its x axis.
         ends: What the scan shows, in the base frame, shape (M, 2), m.
+        reach: How far the pane goes on to either side, m.
+
+    Returns:
+        Points in the base frame, shape (K, 2), m, and a mask of them, shape (K,).
     """
-    said = reading.field_of_view
-    half = 0.5 * (said if 0.0 < said <= math.pi else _UNSAID_RAD)
+    half = 0.5 * (opening if 0.0 < opening <= math.pi else _UNSAID_RAD)
     x, y = (T_base_sonar.inverse() @ ends).T
-    is_there = np.abs(np.hypot(x, y) - reading.range) <= _ABOUT
+    is_there = np.abs(np.hypot(x, y) - r) <= _ABOUT
     if (is_there & (np.abs(np.arctan2(y, x)) <= half + _EDGE_RAD)).any():
-        return np.zeros((0, 2))
-    num = max(3, math.ceil(2.0 * half * reading.range / _APART) + 1)
-    angles = np.linspace(-half, half, num)
-    return T_base_sonar @ (reading.range * np.column_stack((np.cos(angles), np.sin(angles))))
+        return np.zeros((0, 2)), np.zeros(0, dtype=bool)
+    heard = r * math.sin(half)
+    posts = y[np.abs(x - r) <= _POST]
+    low = max(-max(reach, heard), posts[posts < 0.0].max(initial=-math.inf))
+    high = min(max(reach, heard), posts[posts > 0.0].min(initial=math.inf))
+    across = np.linspace(low, high, max(3, math.ceil((high - low) / _APART) + 1))
+    points = T_base_sonar @ np.column_stack((np.full(len(across), r), across))
+    return points, np.abs(across) <= heard + _APART
 
 
 def _before(points: np.ndarray, seen: Obstacles) -> np.ndarray:
-    """Return those points that do not lie behind what the scan shows."""
+    """Tell which points do not lie behind what the scan shows, shape (K,), bool."""
     scan = seen.scan
     x, y = (seen.T_base_sensor.inverse() @ points).T
     beams = np.rint((np.arctan2(y, x) - scan.angle_min) / scan.angle_increment).astype(int)
@@ -112,4 +139,4 @@ def _before(points: np.ndarray, seen: Obstacles) -> np.ndarray:
     is_looked = beams < len(scan.ranges)
     far[is_looked] = np.asarray(scan.ranges, dtype=float)[beams[is_looked]]
     with np.errstate(invalid="ignore"):
-        return points[~(far < np.hypot(x, y) - _ABOUT)]
+        return np.asarray(~(far < np.hypot(x, y) - _ABOUT))
