@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from loop_builders import drifted, ring, round_the_ring
 from worlds import scan_at
 
 from floornav_common.se2 import SE2
+from grid_mapper.config import GridMapperConfig
+from grid_mapper.layers import LayeredMapper
 
 pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 pytest.importorskip("gtsam", reason="loops are closed by gtsam")
@@ -29,6 +32,7 @@ from test_grid_mapper import NODE, PERIOD_NS, READY_S, T0_NS, Robot  # noqa: E40
 
 from floornav_common.ros.messages import grid_from_msg, pose_to_se2  # noqa: E402
 from floornav_common.ros.qos import RELIABLE_QOS  # noqa: E402
+from grid_mapper.nodes import mapper_choice  # noqa: E402
 
 LAPS, NUM = 1.3, 150
 STANDING = 400
@@ -122,3 +126,16 @@ def test_a_background_that_dies_is_said_and_the_robot_goes_on(robot: RingRobot) 
     robot.peer.spin_until(lambda: any(s.level == WARN for s in statuses(robot.said, "loops")[-1:]))
     robot.go_on(5)
     assert "no longer" in statuses(robot.said, "loops")[-1].message
+
+
+def test_without_the_solver_the_node_maps_on_and_says_so_once(monkeypatch: Any) -> None:
+    said: list[str] = []
+    parts: dict[str, Any] = {}
+    node = SimpleNamespace(
+        get_logger=lambda: SimpleNamespace(warning=said.append),
+        diagnostics=SimpleNamespace(set=parts.__setitem__),
+    )
+    monkeypatch.setattr(mapper_choice, "find_spec", lambda name: None)
+    mapper = mapper_choice.make_mapper(node, GridMapperConfig(), True, None, False)
+    assert isinstance(mapper, LayeredMapper) and len(said) == 1
+    assert parts["loops"].level == WARN and "gtsam" in parts["loops"].message

@@ -1,11 +1,20 @@
 """Work in another process: answers come back, its end is said, nobody waits for it."""
 
+import io
 import os
 import time
 
+import numpy as np
 import pytest
 
-from grid_mapper.background import InlineWorker, ProcessWorker
+from grid_mapper.background import (
+    TAKEN_A_STEP,
+    InlineWorker,
+    ProcessWorker,
+    read_message,
+    serve,
+    write_message,
+)
 
 
 class Adding:
@@ -28,6 +37,21 @@ class Adding:
     def work(self):
         self._has_news = False
         return ("sum", self._sum)
+
+
+class Endless:
+    """Always has work, and says at each step how much it was given."""
+
+    has_work = True
+
+    def __init__(self):
+        self._num = 0
+
+    def take(self, message):
+        self._num += 1
+
+    def work(self):
+        return self._num
 
 
 def wait_for(condition):
@@ -79,3 +103,15 @@ def test_closing_is_no_failure():
     worker.send(1)
     worker.close()
     assert worker.failure == ""
+
+
+def test_work_goes_on_while_messages_come_and_messages_are_taken_while_there_is_work():
+    source, sink = io.BytesIO(), io.BytesIO()
+    write_message(source, (Endless, ()))
+    for _ in range(3 * TAKEN_A_STEP):
+        write_message(source, 1)
+    source.seek(0)
+    serve(source, sink)
+    sink.seek(0)
+    steps = iter(lambda: read_message(sink), None)
+    assert max(np.diff([0, *steps, 3 * TAKEN_A_STEP])) <= TAKEN_A_STEP

@@ -138,7 +138,7 @@ def test_a_robot_moved_by_hand_goes_on_where_it_is_said_to_be():
     rng = np.random.default_rng(5)
     scan = scan_at(truth[3], ring(), num_beams=90, rng=rng, sigma=0.03, range_max=4.0)
     points = points_of(scan, HERE, CONFIG.matcher)
-    mapper.relocate(there @ SE2(0.1, -0.1, 0.05), seen=[(points, there)])
+    mapper.relocate(there @ SE2(0.1, -0.1, 0.05), seen=points.moved(there))
     result = mapper.insert_scan(41 * STEP_NS, scan, HERE, SE2(7.0, 0.0, 0.0))
     assert result.is_trusted and result.T_map_base.between(there).distance < 0.05
 

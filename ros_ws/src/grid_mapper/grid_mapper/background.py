@@ -20,7 +20,10 @@ from typing import IO, Any, Protocol
 
 NICENESS = 5
 END_TIMEOUT_S = 2.0
+TAKEN_A_STEP = 20
+"""Messages taken between two steps of work: neither waits for the other for ever."""
 _LENGTH_BYTES = 8
+_NOTHING = object()
 
 
 class Work(Protocol):
@@ -181,15 +184,18 @@ def serve(source: IO[bytes], sink: IO[bytes]) -> None:
     work: Work = make_work(*args)
     messages: queue.SimpleQueue[Any] = queue.SimpleQueue()
     Thread(target=_read_all, args=(source, messages), daemon=True).start()
+    num_taken = 0
     while True:
-        try:
-            message = messages.get(block=not work.has_work)
-        except queue.Empty:
-            answer = work.work()
+        message = _NOTHING
+        if not work.has_work or num_taken < TAKEN_A_STEP:
+            with suppress(queue.Empty):
+                message = messages.get(block=not work.has_work)
+        if message is None:
+            return
+        if message is _NOTHING:
+            num_taken, answer = 0, work.work()
         else:
-            if message is None:
-                return
-            answer = work.take(message)
+            num_taken, answer = num_taken + 1, work.take(message)
         if answer is not None:
             write_message(sink, answer)
 
