@@ -50,6 +50,7 @@ class StereoRobot:
 
     def __init__(self, peer: Any, node: Any) -> None:
         self.peer, self.stamp_ns, self.skew_ns = peer, 5_000_000_000, 0
+        self.is_covered = False
         self._scene = VoxelScene(small_room())
         self._drawn: dict[tuple[str, SE2], tuple[np.ndarray, np.ndarray]] = {}
         self.odometry = peer.publisher(Odometry, "odom", RELIABLE_QOS, to=node)
@@ -105,7 +106,10 @@ class StereoRobot:
             color, distance = self._scene.render(poses, CAMERAS[pair], SIZE)
             disparity = (FOCAL * BASELINE / distance[0]).astype(np.float32)
             self._drawn[pair, pose] = np.rint(color[0]).astype(np.uint8), disparity
-        return self._drawn[pair, pose]
+        color, disparity = self._drawn[pair, pose]
+        if self.is_covered:
+            return np.zeros_like(color), np.full_like(disparity, np.nan)
+        return color, disparity
 
 
 def frame_of(pair: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,16 @@ import pytest
 pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
 pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from heard_poses import Heard, HeardTruth, is_near
 from stereo_scene import FRAME_NS, StereoRobot, small_room
 
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN
-from floornav_common.ros.messages import pose_to_se2, stamp_to_ns
+from floornav_common.ros.messages import ns_to_stamp, pose_to_se2, stamp_to_ns
+from floornav_common.ros.qos import RELIABLE_QOS
 from floornav_common.se2 import SE2
-from multi_localizer.pose_estimate import difference
-from multi_localizer.ros_conversions import estimate_from_msg
+from multi_localizer.pose_estimate import PoseEstimate, difference
+from multi_localizer.ros_conversions import estimate_from_msg, estimate_to_msg
 from multi_localizer.voxel_map import save_voxel_map
 
 LISTENING = Path(__file__).with_name("listening.py")
@@ -57,6 +60,15 @@ def test_a_pose_is_found_followed_by_one_pair_and_given_up(
     off = difference(heard.map_to_odom()[-1], ODOM.inverse())
     assert np.abs(off).max() < 5.0 * NEAR_M
 
+    covered = heard.says(WARN, "goes on by odometry alone")
+    robot.is_covered = True
+    heard.see_until(robot, covered, HERE, odometry)
+    num = len(heard.poses)
+    heard.see_until(robot, heard.says(ERROR, "lost"), HERE, odometry)
+    assert len(heard.poses) == num
+    robot.is_covered = False
+    heard.see_until(robot, heard.says(OK, "known"), HERE, odometry)
+
     alone = heard.says(WARN, "by front alone: no disparities of rear")
     heard.see_until(robot, alone, AHEAD, ODOM @ AHEAD, pairs=("front",))
     assert is_near(heard.poses[-1], AHEAD, NEAR_M, NEAR_RAD)
@@ -87,6 +99,32 @@ def test_what_cannot_be_is_one_line_and_exit_code_2(
     process = start(*NODE, "--ros-args", *args)
     assert process.wait_for_exit(START_S) == 2
     assert words in process.text and "Traceback" not in process.text
+
+
+def test_a_map_in_another_frame_is_one_line_and_exit_code_2(start: Any, tmp_path: Path) -> None:
+    path = save_voxel_map(tmp_path / "room.npz", replace(small_room(), frame="lab"))
+    process = start(*NODE, "--ros-args", "-p", f"map_file:={path}")
+    assert process.wait_for_exit(START_S) == 2
+    assert "frame 'lab'" in process.text and "map_frame:=lab" in process.text
+    assert "Traceback" not in process.text
+
+
+def test_a_pose_that_is_told_where_nothing_fits_is_refused(
+    start: Any, peer: Any, tmp_path: Path
+) -> None:
+    path = save_voxel_map(tmp_path / "room.npz", replace(small_room(), frame="lab"))
+    use = (f"map_file:={path}", "map_frame:=lab", "use_odom:=false")
+    node = start(*NODE, "--ros-args", *(word for p in use for word in ("-p", p)))
+    node.wait_for("ready", START_S)
+    heard, robot = Heard(peer, "stereo_pose", wait_s=0.2, most=601), StereoRobot(peer, node)
+    robot.stand()
+    publisher = peer.node.create_publisher(PoseWithCovarianceStamped, "initialpose", RELIABLE_QOS)
+    heard.see_until(robot, heard.says(OK, "known"), HERE, ODOM)
+    assert heard.poses[-1].header.frame_id == "lab"
+    away = PoseEstimate(SE2(HERE.x, HERE.y, HERE.yaw + 2.0), np.diag([0.01, 0.01, 0.01]))
+    publisher.publish(estimate_to_msg(away, ns_to_stamp(FRAME_NS), "lab"))
+    heard.see_until(robot, lambda: "initialpose refused: nothing" in node.text, HERE, ODOM)
+    assert node.stop() == 0
 
 
 def test_in_the_simulated_room_the_pose_comes_from_the_cameras_alone(

@@ -9,9 +9,10 @@ import pytest
 
 from floornav_common.se2 import SE2
 from multi_localizer import stereo_moments
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_moments import StereoMoments
-from multi_localizer.stereo_pose import StereoPose, StereoState
+from multi_localizer.stereo_pose import StereoHypothesis, StereoPose, StereoState
 from multi_localizer.voxel_map import VoxelMap
 from multi_localizer.voxel_view import ViewCamera
 
@@ -27,14 +28,24 @@ class Localizer:
 
     def __init__(self, voxels, cameras, config, num_threads=1):
         self.cameras, self.told, self.num_resets = cameras, [], 0
+        self.tuning, self.near, self.pose = [], [], None
         self.made.append(self)
 
     def reset(self):
         self.num_resets += 1
 
+    def reconfigure(self, config):
+        self.tuning.append(config)
+
+    def relocate(self, told):
+        self.near.append(told)
+
     def track(self, views, motion, dt):
         self.told.append((views, motion, dt))
-        return StereoPose(StereoState.KNOWN, ())
+        if self.pose is None:
+            return StereoPose(StereoState.LOST, (), "lost")
+        estimate = PoseEstimate(self.pose, np.eye(3))
+        return StereoPose(StereoState.KNOWN, (StereoHypothesis(estimate, 1.0, 0.1),))
 
 
 @pytest.fixture
@@ -85,14 +96,38 @@ def test_the_motion_is_odometrys_between_the_moments(moments):
     assert (told[1][1].x, told[1][1].y, told[1][1].yaw) == pytest.approx(
         (expected.x, expected.y, expected.yaw)
     )
-    assert told[1][2] == pytest.approx(0.5) and told[2][1:] == (SE2.identity(), 0.5)
+    assert told[1][2] == pytest.approx(0.5) and told[2][1:] == (None, 0.5)
 
 
-def test_a_stamp_that_jumps_back_and_new_tuning_begin_anew(moments):
+def test_a_stamp_that_jumps_back_begins_anew_and_new_tuning_does_not(moments):
     both, views = {"front": FRONT, "rear": REAR}, {"front": 1}
     moments.locate(SECOND, both, views, SE2(0.0, 0.0, 0.0))
     moments.locate(0, both, views, SE2(9.0, 0.0, 0.0))
     assert Localizer.made[0].num_resets == 1 and Localizer.made[0].told[1][2] == 0.0
-    moments.reconfigure(StereoLocalizerConfig(num_kept=7))
+    tuned = StereoLocalizerConfig(num_kept=7)
+    moments.reconfigure(tuned)
     moments.locate(SECOND, both, views, None)
-    assert len(Localizer.made) == 2
+    assert len(Localizer.made) == 1 and Localizer.made[0].tuning == [tuned]
+
+
+def test_where_somebody_says_the_robot_is_waits_for_the_first_views(moments):
+    told = PoseEstimate(SE2(1.0, 0.0, 0.0), np.eye(3))
+    moments.relocate(told)
+    moments.locate(0, {"front": FRONT, "rear": REAR}, {"front": 1}, None)
+    moments.locate(SECOND, {"front": FRONT, "rear": REAR}, {"front": 1}, None)
+    assert Localizer.made[0].near == [told]
+
+
+def test_a_pose_that_does_not_follow_from_the_last_is_said_and_one_that_does_is_not(moments):
+    both, views = {"front": FRONT, "rear": REAR}, {"front": 1}
+    moments.locate(0, both, views, SE2.identity())
+    for k, (odometry, pose) in enumerate(
+        [(0.0, 5.0), (0.6, 5.6), (0.7, None), (1.6, 6.6)], start=1
+    ):
+        Localizer.made[0].pose = None if pose is None else SE2(pose, 0.0, 0.0)
+        moments.locate(k * SECOND, both, views, SE2(odometry, 0.0, 0.0))
+    assert moments.take_news() == ""
+    Localizer.made[0].pose = SE2(6.6, 1.7, np.pi)
+    moments.locate(9 * SECOND, both, views, SE2(1.6, 0.0, 0.0))
+    assert moments.take_news().startswith("found again 1.70 m and 180 degrees from")
+    assert moments.take_news() == ""

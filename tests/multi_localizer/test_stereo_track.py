@@ -93,15 +93,12 @@ def test_tracking_settles_what_looks_alike_once_it_is_told_apart(marked):
 @pytest.mark.parametrize("hz", [5, 30])
 @pytest.mark.parametrize("motion", [SE2.identity(), None])
 def test_standing_settles_nothing_at_any_rate(marked, hz, motion):
-    # Of two poses that look alike the views here are a little more like the first.
-    pose = SE2(1.9, 1.2, np.pi / 2)
-    config = StereoLocalizerConfig(**SMALL, evidence=2000.0, settle_share=0.9)
-    localizer = StereoLocalizer(marked, CAMERAS, config)
-    views = views_at(marked, pose @ SE2(0.0, 0.0, -0.25))
-    first = localizer.locate(views)
-    best = first.hypotheses[0].share
-    if first.state is not StereoState.AMBIGUOUS:
-        pytest.fail(f"the test's places are no longer alike: {best}")
+    # Of two poses that look nearly alike, for a corner of the mark is seen, none is settled yet.
+    pose = SE2(1.9, 1.2, np.pi / 2 - 0.4)
+    localizer = StereoLocalizer(marked, CAMERAS, StereoLocalizerConfig(**SMALL))
+    views = views_at(marked, pose)
+    best = localizer.locate(views).hypotheses[0].share
+    assert 0.6 < best < 0.9
     localizer.track(views, motion, 0.0)
     for _ in range(2 * hz):
         found = localizer.track(views, motion, 1.0 / hz)

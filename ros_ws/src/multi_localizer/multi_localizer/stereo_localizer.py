@@ -8,25 +8,24 @@ from dataclasses import fields
 
 import numpy as np
 
-from floornav_common.se2 import SE2, wrap_angle
+from floornav_common.se2 import SE2
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_locator import StereoLocator
-from multi_localizer.stereo_pose import StereoHypothesis, StereoPose, StereoState
+from multi_localizer.stereo_pose import StereoPose, StereoState
+from multi_localizer.stereo_published import judged_candidates
 from multi_localizer.stereo_search import PublishedSearch
 from multi_localizer.stereo_track import StereoTracker
 from multi_localizer.stereo_view import VIEW_COLUMNS, VIEW_ROWS, StereoView
 from multi_localizer.voxel_map import VoxelMap
 from multi_localizer.voxel_view import ViewCamera, VoxelScene
 
-_NEAR_M, _NEAR_RAD = 0.5, 0.5
-
 
 class StereoLocalizer:
     """Finds and follows the pose of base_link.
 
     By the published methods every view is searched for in the whole map; when tracking, of the
-    candidates that stay the best one near the pose before is taken, if there is one: the paper's
+    candidates as good as the best that near the pose before is taken, if there is one: the paper's
     remedy for places that look alike.
 
     Args:
@@ -122,7 +121,7 @@ class StereoLocalizer:
         carried = SE2.identity() if motion is None else motion
         expected = None if self._last is None else self._last @ carried
         found = self._search(self._published, views, expected)
-        self._last = found.pose
+        self._last = found.pose if found.state is StereoState.KNOWN else None
         return found
 
     def warm_up(self) -> None:
@@ -140,23 +139,10 @@ class StereoLocalizer:
     ) -> StereoPose:
         weight = 0.0 if self.config.method == "color_only" else self.config.distance_weight
         poses, scores = published.search(views, weight)
-        if not len(poses):
-            return StereoPose(StereoState.LOST, (), "no place in the map is free")
-        best = 0
-        if expected is not None:
-            near = [k for k, pose in enumerate(poses) if _is_near(pose, expected)]
-            best = near[0] if near else 0
-        estimate = PoseEstimate(SE2(*poses[best].tolist()), np.diag(published.spacing**2))
-        hypothesis = StereoHypothesis(estimate, 1.0, float(scores[best]))
-        return StereoPose(StereoState.KNOWN, (hypothesis,))
+        return judged_candidates(poses, scores, views, expected, self.config)
 
     def _check(self, views: Sequence[StereoView | None]) -> None:
         if len(views) != len(self._cameras):
             raise ValueError(f"views must be {len(self._cameras)}, one a camera, got {len(views)}")
         if all(view is None for view in views):
             raise ValueError("views must hold at least one, got none")
-
-
-def _is_near(pose: np.ndarray, expected: SE2) -> bool:
-    is_there = math.hypot(pose[0] - expected.x, pose[1] - expected.y) < _NEAR_M
-    return is_there and abs(wrap_angle(float(pose[2]) - expected.yaw)) < _NEAR_RAD

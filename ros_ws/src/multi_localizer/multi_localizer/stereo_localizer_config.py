@@ -36,6 +36,20 @@ class StereoLocalizerConfig:
     view_rows: tuple[int, ...] = param(
         (1, 1, 2, 4, 8), "published: their rows.", unit="px", ge=1, read_only=True
     )
+    alike_score: float = param(
+        0.01, "published, color_only: places alike by eq. 1 within this are not told apart.", gt=0.0
+    )
+    lost_score: float = param(
+        0.25, "published, color_only: where eq. 1 is more, the robot is not there.", gt=0.0
+    )
+    mesh_error_m: float = param(
+        0.03, "published: standard deviation of x and y; color_only: ten times this.", unit="m",
+        gt=0.0,
+    )  # fmt: skip
+    mesh_error_rad: float = param(
+        0.015, "published: standard deviation of yaw; color_only: ten times this.", unit="rad",
+        gt=0.0,
+    )  # fmt: skip
     panorama_spacing_m: float = param(
         0.08, "ours: between the places of the global search.", unit="m", gt=0.0, read_only=True
     )
@@ -103,7 +117,7 @@ class StereoLocalizerConfig:
         0.4, "ours: where more of the views is wrong, of 1, the robot is not there.", gt=0.0, le=1.0
     )
     least_seen: float = param(
-        0.1, "ours: views with distances in a smaller part, of 1, say nothing.", ge=0.0, le=1.0
+        0.1, "Views with distances in a smaller part, of 1, say nothing.", ge=0.0, le=1.0
     )
     lost_after_s: float = param(
         1.0, "ours: a robot whose views fit nowhere near is lost after this time.", unit="s", ge=0.0

@@ -16,7 +16,7 @@ class StereoLocalizerNodeConfig(StereoPairsConfig):
         "", "Voxel map, made by make_voxel_map (npz); it has no default.", read_only=True
     )
     use_odom: bool = param(
-        True, "Follow the motion by odom -> base; without it the robot is taken to stand.",
+        True, "Follow the motion by odom -> base; without it by the views alone.",
         read_only=True,
     )  # fmt: skip
     pairs_wait_s: float = param(

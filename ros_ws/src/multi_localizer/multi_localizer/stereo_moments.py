@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from floornav_common.se2 import SE2
+from multi_localizer.pose_estimate import PoseEstimate, difference
 from multi_localizer.stereo_localizer import StereoLocalizer
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
-from multi_localizer.stereo_pose import StereoPose
+from multi_localizer.stereo_pose import StereoPose, StereoState
 from multi_localizer.stereo_view import StereoView
 from multi_localizer.voxel_map import VoxelMap
-from multi_localizer.voxel_view import ViewCamera
+from multi_localizer.voxel_view import ViewCamera, VoxelScene
 
+_JUMP_M, _JUMP_RAD = 0.5, 0.5
 _SAME = 1e-3  # m, rad, and of pixels the focal length
 
 
@@ -30,6 +33,9 @@ class StereoMoments:
         pairs: Names of the pairs.
         wait_ns: How long the first pair waits for the others.
         num_threads: Threads of the search.
+
+    Attributes:
+        doing: What takes seconds just now; "" for nothing. May be read from another thread.
     """
 
     def __init__(
@@ -40,7 +46,8 @@ class StereoMoments:
         wait_ns: int,
         num_threads: int = 1,
     ) -> None:
-        self._voxels, self._config = voxels, config
+        self.doing = ""
+        self._scene, self._config = VoxelScene(voxels, num_threads), config
         self._pairs, self._wait_ns, self._num_threads = tuple(pairs), wait_ns, num_threads
         self._cameras: dict[str, ViewCamera] = {}
         self._localizer: StereoLocalizer | None = None
@@ -50,13 +57,30 @@ class StereoMoments:
         """Forget where the robot is, and when."""
         self._last: tuple[int, SE2 | None] | None = None
         self._since_ns: int | None = None
+        self._told: PoseEstimate | None = None
+        self._expected: SE2 | None = None
+        self._news = ""
         if self._localizer is not None:
             self._localizer.reset()
 
     def reconfigure(self, config: StereoLocalizerConfig) -> None:
-        """Take other tuning; the pose is found anew."""
-        self._config, self._localizer = config, None
-        self.reset()
+        """Take other tuning; the pose stays."""
+        self._config = config
+        if self._localizer is not None:
+            self._localizer.reconfigure(config)
+
+    def relocate(self, told: PoseEstimate) -> None:
+        """Believe somebody who says where the robot is: look for it there with the next views."""
+        self._told = told
+
+    def take_news(self) -> str:
+        """Return once where the robot was found again; "" if nothing is to be said."""
+        news, self._news = self._news, ""
+        return news
+
+    def take_refusal(self) -> str:
+        """Return once why a told pose was not believed; "" if nothing is to be said."""
+        return "" if self._localizer is None else self._localizer.take_refusal()
 
     def warm_up(self) -> None:
         """Compile what locating needs, on a small map."""
@@ -81,14 +105,37 @@ class StereoMoments:
             stamp_ns: Of the moment; one that is not later than the last begins anew.
             cameras: Of the pairs that show something, by name.
             views: What they show.
-            T_odom_base: Odometry then; None to take the robot to stand.
+            T_odom_base: Odometry then; None without: the robot may go anywhere.
         """
         if not self._is_prepared(stamp_ns, cameras):
             return None
         assert self._localizer is not None
         motion, dt = self._since_last(stamp_ns, T_odom_base)
         self._last = stamp_ns, T_odom_base
-        return self._localizer.track([views.get(n) for n in self._cameras], motion, dt)
+        if self._told is not None:
+            self._localizer.relocate(self._told)
+            self._told = self._expected = None
+        self.doing = "the pose is looked for"
+        found = self._localizer.track([views.get(n) for n in self._cameras], motion, dt)
+        self.doing = ""
+        self._compare(found, motion)
+        return found
+
+    def _compare(self, found: StereoPose, motion: SE2 | None) -> None:
+        """Note whether a pose follows from the last one that was known."""
+        expected = self._expected
+        if expected is not None and motion is not None:
+            expected = expected @ motion
+        if found.state is StereoState.KNOWN and found.pose is not None:
+            if expected is not None:
+                x, y, yaw = np.abs(difference(found.pose, expected)).tolist()
+                if max(math.hypot(x, y) / _JUMP_M, yaw / _JUMP_RAD) > 1.0:
+                    self._news = (
+                        f"found again {math.hypot(x, y):.2f} m and {math.degrees(yaw):.0f} degrees "
+                        "from where the motion has it"
+                    )
+            expected = found.pose
+        self._expected = expected
 
     def _is_prepared(self, stamp_ns: int, cameras: Mapping[str, ViewCamera]) -> bool:
         is_new = any(not _are_same(self._cameras.get(n), c) for n, c in cameras.items())
@@ -102,22 +149,24 @@ class StereoMoments:
             return False
         known = {name: self._cameras[name] for name in self._pairs if name in self._cameras}
         self._cameras, self._last = known, None
+        self.doing = "the map's views are drawn for these cameras, which takes some seconds"
         self._localizer = StereoLocalizer(
-            self._voxels, list(known.values()), self._config, self._num_threads
+            self._scene, list(known.values()), self._config, self._num_threads
         )
         return True
 
-    def _since_last(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, float]:
+    def _since_last(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2 | None, float]:
         if self._last is None:
             return SE2.identity(), 0.0
         last_ns, T_odom_last = self._last
         if stamp_ns <= last_ns:
             assert self._localizer is not None
             self._localizer.reset()
+            self._expected = None
             return SE2.identity(), 0.0
         dt = 1e-9 * (stamp_ns - last_ns)
         if T_odom_base is None or T_odom_last is None:
-            return SE2.identity(), dt
+            return None, dt
         return T_odom_last.inverse() @ T_odom_base, dt
 
 

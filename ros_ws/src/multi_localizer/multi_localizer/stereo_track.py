@@ -125,7 +125,7 @@ class StereoTracker:
         self._slip = self._slip + _isotropic(after[0].gap)
         slip_m = math.sqrt(self._slip[0, 0])
         if pose.state is StereoState.KNOWN and slip_m > _SLIP_M:
-            text = f"the views contradict the motion, of late by {100.0 * slip_m:.0f} cm"
+            text = f"the views contradict the motion: of late by {100.0 * slip_m:.0f} cm"
             return replace(pose, reason=text)
         return pose
 

@@ -2,7 +2,8 @@
 
 In, for each of `pairs`: `stereo/<pair>/disparity` (DisparityImage), `stereo/<pair>/left/image_rect`
 (Image, or .../compressed) of the same stamp and `stereo/<pair>/left/camera_info`; `odom` (Odometry,
-its pose where TF has none), TF odom->base_link->the camera's frame.
+its pose where TF has none), `initialpose` (PoseWithCovarianceStamped: where to look for the
+robot), TF odom->base_link->the camera's frame.
 Out: `stereo_pose` (PoseWithCovarianceStamped of base_link in the map's frame; nothing while it is
 not known), `stereo_pose/candidates` (PoseArray: all poses that fit, the likeliest first), TF
 map->odom with `publish_tf`.
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PoseArray
@@ -20,21 +22,24 @@ from floornav_common.ros.main import run_node
 from floornav_common.ros.messages import ns_to_stamp, poses_to_msg
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.odometry import OdometryFallback
-from floornav_common.ros.parameters import ParameterError, declare_config
+from floornav_common.ros.parameters import declare_config
 from floornav_common.ros.qos import RELIABLE_QOS, create_publisher
 from floornav_common.se2 import SE2
 from floornav_common.transform_errors import TransformUnavailable
+from multi_localizer.newest_worker import NewestWorker
+from multi_localizer.nodes.initial_pose import hear_initial_pose
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
 from multi_localizer.nodes.stamped_input import StampedInput
 from multi_localizer.nodes.state_log import StateLog
+from multi_localizer.nodes.stereo_map import load_map
 from multi_localizer.nodes.stereo_report import StereoReport
 from multi_localizer.nodes.stereo_view_input import DISPARITY, LEFT, StereoViewInput
+from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_localizer_node_config import StereoLocalizerNodeConfig
 from multi_localizer.stereo_moments import StereoMoments
 from multi_localizer.stereo_pose import StereoPose, StereoState
 from multi_localizer.stereo_view import StereoView
-from multi_localizer.voxel_map import VoxelMap, load_voxel_map
 from multi_localizer.voxel_view import ViewCamera
 
 
@@ -46,11 +51,12 @@ class StereoLocalizerNode(FloornavNode):
         super().__init__("stereo_localizer")
         config = self._config = declare_config(self, StereoLocalizerNodeConfig)
         method = declare_config(self, StereoLocalizerConfig, on_change=self._tune)
-        self._voxels = self._load(config.map_file)
+        self._voxels = load_map(self, config.map_file)
         threads = int(self.get_parameter("num_threads").value)
         wait_ns = round(config.pairs_wait_s * 1e9)
         self._moments = StereoMoments(self._voxels, method, config.pairs, wait_ns, threads)
-        self._seen = StampedInput(self, config.wait_s, self._locate)
+        self._worker, self._generation = NewestWorker("stereo"), 0
+        self._seen = StampedInput(self, config.wait_s, self._take)
         self._outputs = LocalizerOutputs(self, "stereo_pose", config.publish_tf)
         self._candidates = create_publisher(self, PoseArray, "stereo_pose/candidates", RELIABLE_QOS)
         self._odometry = OdometryFallback(self) if config.use_odom else None
@@ -60,49 +66,71 @@ class StereoLocalizerNode(FloornavNode):
             for name in config.pairs
         }
         watchdogs = {name: one.watchdog for name, one in self._inputs.items()}
-        self._report = StereoReport(watchdogs, self._outputs, self._seen.groups)
+        self._report = StereoReport(
+            watchdogs, self._outputs, self._seen.groups, self._worker, lambda: self._moments.doing
+        )
         self.diagnostics.add("stereo pose", self._report.status)
         self._log = StateLog(self, self._report.status)
         self.time.on_look(self._look)
         self.transforms.on_restart(self._restart)
+        hear_initial_pose(self, self._relocate, self.get_logger().warning)
         self.ready(self._moments.warm_up)
 
-    def _load(self, path: str) -> VoxelMap:
-        try:
-            if not path:
-                raise ValueError("map_file must name a voxel map; make_voxel_map makes one")
-            return load_voxel_map(path)
-        except (ValueError, OSError) as error:
-            raise ParameterError(f"{self.get_fully_qualified_name()}: {error}") from error
+    def destroy_node(self) -> None:
+        """Wait for the pose that is being looked for."""
+        self._worker.close()
+        super().destroy_node()
 
     def _tune(self, config: StereoLocalizerConfig) -> None:
-        self._moments.reconfigure(config)
+        self._worker.do(partial(self._moments.reconfigure, config))
+
+    def _relocate(self, told: PoseEstimate) -> None:
+        self._worker.do(partial(self._moments.relocate, told))
 
     def _restart(self) -> None:
+        self._generation += 1  # what was begun before is too old
+        self._worker.withdraw()
         self._seen.groups.clear()
-        self._moments.reset()
+        self._worker.do(self._moments.reset)
         self._report.forget()
 
     def _look(self) -> None:
+        self._worker.check()
         if self._report.is_lost and not self.time.is_stopped:
             self._outputs.stop_tf()
 
-    def _locate(self, stamp_ns: int, group: dict[str, Any]) -> None:
-        started = time.perf_counter()
+    def _take(self, stamp_ns: int, group: dict[str, Any]) -> None:
         parts = (DISPARITY, LEFT)
         whole = [n for n in self._inputs if all(f"{n}/{part}" in group for part in parts)]
         if not whole:
-            self._report.note_single()
+            self._report.note_single(group)
             return
         try:
-            cameras, views, T_odom_base = self._views(whole, group)
-            found = self._moments.locate(stamp_ns, cameras, views, T_odom_base)
+            seen = self._views(whole, group)
         except (ValueError, TransformUnavailable) as error:
             self._report.refuse(str(error))
             return
-        if found is not None:
-            self._report.note(found, whole, 1e3 * (time.perf_counter() - started))
-            self._publish(ns_to_stamp(stamp_ns), found, T_odom_base)
+        self._worker.offer(partial(self._locate, self._generation, stamp_ns, *seen))
+
+    def _locate(
+        self, generation: int, stamp_ns: int, cameras: dict[str, ViewCamera],
+        views: dict[str, StereoView], T_odom_base: SE2 | None,
+    ) -> None:  # fmt: skip
+        started = time.perf_counter()
+        try:
+            found = self._moments.locate(stamp_ns, cameras, views, T_odom_base)
+        except ValueError as error:
+            self._report.refuse(str(error))
+            return
+        if found is None or generation != self._generation:
+            return
+        self._report.note(found, list(views), 1e3 * (time.perf_counter() - started))
+        self._publish(ns_to_stamp(stamp_ns), found, T_odom_base)
+        refusal, news = self._moments.take_refusal(), self._moments.take_news()
+        if refusal:
+            self.get_logger().warning(f"initialpose refused: {refusal}")
+        if news:
+            self.get_logger().info(news)
 
     def _views(
         self, whole: list[str], group: dict[str, Any]

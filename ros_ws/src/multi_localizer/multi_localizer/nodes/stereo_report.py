@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.watchdog import Watchdog
+from multi_localizer.newest_worker import NewestWorker
 from multi_localizer.nodes.localizer_outputs import LocalizerOutputs
+from multi_localizer.nodes.stereo_view_input import LEFT
 from multi_localizer.stamp_groups import StampGroups
 from multi_localizer.stereo_pose import StereoPose, StereoState
 
@@ -23,12 +25,20 @@ class StereoReport:
         watchdogs: Of each pair's disparities, by name.
         outputs: What was sent.
         groups: What is put together.
+        worker: Who looks for the pose.
+        doing: Returns what takes seconds just now, or "".
     """
 
     def __init__(
-        self, watchdogs: dict[str, Watchdog], outputs: LocalizerOutputs, groups: StampGroups
+        self,
+        watchdogs: dict[str, Watchdog],
+        outputs: LocalizerOutputs,
+        groups: StampGroups,
+        worker: NewestWorker,
+        doing: Callable[[], str],
     ) -> None:
         self._watchdogs, self._outputs, self._groups = watchdogs, outputs, groups
+        self._worker, self._doing = worker, doing
         self._ms, self._worst_ms, self._num_views = 0.0, 0.0, 0
         self.forget()
 
@@ -36,6 +46,8 @@ class StereoReport:
         """Begin anew: the clock was set back."""
         self._pose: StereoPose | None = None
         self._refusal, self._singles, self._seen = "", 0, ()
+        self._alone: set[str] = set()
+        self._late_before = 0
 
     @property
     def is_fresh(self) -> bool:
@@ -44,8 +56,9 @@ class StereoReport:
 
     @property
     def is_lost(self) -> bool:
-        """Whether there is no pose now."""
-        is_known = self._pose is not None and self._pose.state is StereoState.KNOWN
+        """Whether there is no pose now, nor odometry to carry the last one."""
+        states = StereoState.KNOWN, StereoState.BRIDGED
+        is_known = self._pose is not None and self._pose.state in states
         return not self.is_fresh or bool(self._problem) or not is_known
 
     def note(self, pose: StereoPose, seen: Sequence[str], ms: float) -> None:
@@ -55,9 +68,12 @@ class StereoReport:
         self._num_views += 1
         self._refusal, self._singles = "", 0
 
-    def note_single(self) -> None:
-        """Note a moment of which no pair is whole."""
+    def note_single(self, parts: Iterable[str]) -> None:
+        """Note a moment of which no pair is whole, and what there is of it."""
+        if self._singles == 0:
+            self._alone, self._late_before = set(), self._groups.num_late
         self._singles += 1
+        self._alone.update(parts)
 
     def refuse(self, why: str) -> None:
         """Note input that cannot be used."""
@@ -65,9 +81,16 @@ class StereoReport:
 
     @property
     def _problem(self) -> str:
-        if self._singles >= _SINGLE_AFTER:
-            return "disparities and left images have different stamps"
-        return self._refusal
+        return self._why_single if self._singles >= _SINGLE_AFTER else self._refusal
+
+    @property
+    def _why_single(self) -> str:
+        """Why no pair is whole: one side is not there, is late, or is of another camera run."""
+        if not any(part.endswith(f"/{LEFT}") for part in self._alone):
+            return f"no left images come beside the disparities of {', '.join(self._watchdogs)}"
+        if self._groups.num_late > self._late_before:
+            return "the machine is too slow: disparities come too late for their left images"
+        return "disparities and left images have different stamps"
 
     def status(self) -> Status:
         """Return whether the pose is known, or why not."""
@@ -77,14 +100,20 @@ class StereoReport:
         if self._problem:
             return Status(ERROR, f"no pose is sent: {self._problem}", values)
         if self._pose is None:
-            return Status(STALE, "nothing seen yet", values)
+            return Status(STALE, self._doing() or "nothing seen yet", values)
         if self._pose.state is StereoState.LOST:
             return Status(ERROR, f"lost: {self._pose.reason}", values)
         if self._pose.state is StereoState.AMBIGUOUS:
             return Status(WARN, f"no pose is sent: {self._pose.reason}", values)
+        if self._pose.state is StereoState.BRIDGED:
+            text = f"no pose is sent, it goes on by odometry alone: {self._pose.reason}"
+            return Status(WARN, text, values)
+        if self._pose.reason:
+            return Status(WARN, f"the pose is known, but {self._pose.reason}", values)
         silent = [name for name, dog in self._watchdogs.items() if not dog.is_fresh]
-        if silent:
-            text = f"the pose is known, but by {', '.join(self._seen)} alone: no disparities of "
+        alone = [name for name in self._seen if name not in silent]
+        if silent and alone:
+            text = f"the pose is known, but by {', '.join(alone)} alone: no disparities of "
             return Status(WARN, text + ", ".join(silent), values)
         return Status(OK, "the pose is known", values)
 
@@ -93,6 +122,7 @@ class StereoReport:
             "moments": self._num_views,
             "poses sent": self._outputs.num_sent,
             "came too late": self._groups.num_late,
+            "passed over": self._worker.num_passed_over,
             "pairs seen": ", ".join(self._seen),
             "processing (ms)": f"{self._ms:.1f}",
             "longest processing (ms)": f"{self._worst_ms:.1f}",
