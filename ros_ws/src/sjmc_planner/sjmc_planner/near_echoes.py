@@ -23,7 +23,7 @@ from sjmc_planner.planning import Obstacles
 Heard = tuple[RangeReading, SE2]
 _UNSAID_RAD = math.pi / 9.0  # opening of a cone that no message says
 _EDGE_RAD = 0.05  # what the scan shows this far beside a cone explains its echo too
-_ABOUT = 0.1  # ... and this near to its range, m
+_ABOUT = 0.15  # ... and this near to its range: people move, and bulge at other heights, m
 _APART = 0.04  # between points, m
 _AGREE = 0.1  # echoes whose cones end this near to each other are of one thing, m
 _POST = 0.1  # what the scan shows this near to a pane ends it, m
