@@ -48,10 +48,9 @@ def main(argv: list[str] | None = None) -> int:
         if args.list:
             say("\n".join(describe_recording(args.recording, options)))
             return 0
-        inputs = _inputs(args)
+        inputs, sessions = _inputs(args), _sessions(args, config)
         if config.loop_closing:
             load_solver()
-        sessions = _sessions(args, config)
         recording = open_recording(args.recording, options)
     except (RecordingError, ValueError, OSError) as error:
         raise UserError(" ".join(str(error).split())) from error
