@@ -18,7 +18,7 @@ _IDLE_S, _ACCEL = 0.1, 0.6
 _MARGIN, _CIRCLE_MARGIN = 0.03, 0.04
 _LOOKAHEAD, _TOLERANCE = {OURS: 0.7, USUAL: 1.0}, 0.15
 _MAP_AGAIN_S = 1.0
-_ROOMS = {"look_m": 1.5, "clearance_m": 0.15}  # rooms are small, and it drives slowly there
+_ROOMS = {"look_m": 1.5, "clearance_m": 0.2}  # rooms are small, and it drives slowly there
 _WINDOW_M = 1.2  # with more than that in view VFH+ passes by the doors
 _WAY = {"margin_m": 0.04, "near_m": 0.6, "near_weight": 8.0, "unknown_weight": 12.0}
 

@@ -6,6 +6,7 @@ import argparse
 import os
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from _day_figures import day_figures, surroundings
 from _day_film import Stage, write_film
 from _day_load import LoadMeter
 from _day_nodes import (
+    BUILDING,
     STEREO_NODES,
     node_command,
     node_names,
@@ -150,7 +152,8 @@ class Day:
     def _make_voxel_map(self, path: Path) -> None:
         text = "making the voxel map for stereo_localizer from the world, as if surveyed before ..."
         with saying(text, is_quiet=self._args.quiet):
-            save_voxel_map(path, map_of_world(str(self._args.world), cell=_VOXEL_CELL_M))
+            made = map_of_world(str(self._args.world), cell=_VOXEL_CELL_M)
+            save_voxel_map(path, replace(made, frame=BUILDING))
 
     def _follow(self, children: Processes, watch: DayWatch, spin: Callable[[], None]) -> None:
         started = looked = time.monotonic()
