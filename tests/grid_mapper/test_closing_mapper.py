@@ -16,11 +16,11 @@ from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperConfig, LoopConfig
 from grid_mapper.corrections import Corrections
 from grid_mapper.layers import LayeredMapper
-from grid_mapper.localizer import points_of
 from grid_mapper.loop_localizer import LoopClosingLocalizer
 from grid_mapper.loop_session import LoopSession
 from grid_mapper.map_rebuild import MapRebuild
 from grid_mapper.overlay import on_cells_of
+from grid_mapper.surface_points import points_of
 
 STEP_NS = 300_000_000
 HERE = SE2.identity()

@@ -13,9 +13,11 @@ from worlds import box, scan_at
 from floornav_common.grid import OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.se2 import SE2
 from grid_mapper.background import InlineWorker
+from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.glass_files import GLASS
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.loop_session import LoopSession
 from grid_mapper.map_files import save_map
 from grid_mapper.overlay import on_cells_of
 from grid_mapper.recovery import Recovery
@@ -161,3 +163,32 @@ def test_walls_that_are_elsewhere_are_not_taken_for_the_map(grid):
     poses = [SE2(-2.0 + 0.25 * k, -1.0, 0.05 * k) for k in range(14)]
     results, found_at = robot.drive(poses, room)
     assert found_at == [] and not any(r.is_trusted for r in results)
+
+
+def test_a_robot_lost_in_the_map_it_makes_is_found_there_and_maps_on():
+    pytest.importorskip("gtsam")
+    mapper = ClosingMapper(CONFIG, InlineWorker(LoopSession(CONFIG)))
+    way, T_map_world = round_the_ring(120), round_the_ring(120)[0].inverse()
+    rng = np.random.default_rng(2)
+
+    def insert(step, pose, odom):
+        scan = scan_at(pose, WALLS, rng=rng, range_max=8.0)
+        return scan, mapper.insert_scan(step * STEP_NS, scan, HERE, odom)
+
+    for k, pose in enumerate(way[:70]):
+        insert(k, pose, pose)
+    recovery = recovery_in(mapper.layers().laser)
+    mapper.lose()
+    recovery.start()
+    nodes = mapper.graph.num_nodes
+    found_at = None
+    for k, truth in enumerate(way[20:50]):  # carried back; odometry goes on from where it was
+        odom = way[69] @ way[20].between(truth)
+        scan = scan_at(truth, WALLS, rng=rng, range_max=8.0)
+        if recovery.is_active and (found := recovery.look(scan, HERE, odom)) is not None:
+            mapper.relocate(found.T_map_base, found.cov, found.seen)
+            found_at = k
+        result = mapper.insert_scan((100 + k) * STEP_NS, scan, HERE, odom)
+        assert result.is_trusted == (found_at is not None)
+    assert found_at is not None and is_near(result.T_map_base, T_map_world @ way[49])
+    assert mapper.graph.num_nodes > nodes

@@ -1,5 +1,7 @@
 """The newest word of every view."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,17 @@ def test_weight_depends_on_no_rate_once_it_is_full():
     for _ in range(300):
         fast.add(POSE, 0.17, 1.0, True, 0, 3.0)
     assert np.array_equal(slow.used, fast.used)
+
+
+def test_views_are_the_same_after_they_were_pickled():
+    views = SonarViews(0.05, 0.1, 3000)
+    rng = np.random.default_rng(4)
+    for k in range(5000):  # more than it holds, so that rows were used again
+        pose = SE2(*(float(v) for v in rng.uniform(0.0, 4.0, 3)))
+        views.add(pose, 0.15, 1.0, True, k, 3.0)
+    again = pickle.loads(pickle.dumps(views))
+    assert np.array_equal(again.used, views.used) and again.num == views.num
+    assert all(np.array_equal(again.near(k), views.near(k)) for k in range(views.num))
+    for held in (views, again):
+        held.add(SE2(1.0, 1.0, 1.0), 0.15, 1.0, True, 9000, 3.0)
+    assert np.array_equal(again.used, views.used)

@@ -11,9 +11,9 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig, KeyScanConfig
 from grid_mapper.key_frames import KeyFrame, thinned
 from grid_mapper.key_scans import KeyScans
-from grid_mapper.localizer import ScanLocalizer, ScanResult, points_of
+from grid_mapper.localizer import ScanLocalizer, ScanResult
 from grid_mapper.recent_scans import RecentScanMatcher
-from grid_mapper.surface_points import SurfacePoints
+from grid_mapper.surface_points import SurfacePoints, points_of
 
 
 class FrontEnd:

@@ -12,11 +12,11 @@ import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
-from grid_mapper.config import GridMapperConfig, ScanMatcherConfig
+from grid_mapper.config import GridMapperConfig
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
 from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
-from grid_mapper.surface_points import SurfacePoints, surface_points
+from grid_mapper.surface_points import SurfacePoints, points_of
 
 # How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
 VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
@@ -299,12 +299,3 @@ class ScanLocalizer:
             moved = last.T_map_base.between(result.T_map_base)
             velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
         self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, near, velocity)
-
-
-def points_of(scan: Scan, T_base_laser: SE2, matcher: ScanMatcherConfig) -> SurfacePoints:
-    """Return the points of a scan in the base frame, as they are matched."""
-    points = surface_points(
-        scan.points(), np.zeros(2), scan.angle_increment, matcher.range_sigma_m,
-        0.5 * matcher.cell_m,
-    )  # fmt: skip
-    return points.moved(T_base_laser)

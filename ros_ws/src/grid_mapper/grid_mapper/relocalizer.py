@@ -19,13 +19,12 @@ from grid_mapper.config import GridMapperConfig
 from grid_mapper.correlative_search import find_peaks, is_same_peak
 from grid_mapper.global_search import GlobalSearch
 from grid_mapper.key_frames import KeyFrame
-from grid_mapper.localizer import points_of
 from grid_mapper.loop_verification import seen_through
 from grid_mapper.map_surfaces import round_place
 from grid_mapper.motion import odometry_motion, rotated
 from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound
 from grid_mapper.scan_matcher import MatchResult, ScanMatcher
-from grid_mapper.surface_points import SurfacePoints
+from grid_mapper.surface_points import SurfacePoints, points_of
 
 MAX_LOOKS = 6
 MAX_PLACES = 40

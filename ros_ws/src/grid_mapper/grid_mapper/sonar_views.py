@@ -10,6 +10,7 @@ where one looks again.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from floornav_common.se2 import SE2
 NEAR_M = 0.8
 """Edge of the cells that neighboring views are found by."""
 END = -1
+PIECE = 2000
 SAME_ECHO_M, SAME_ECHO_SHARE = 0.05, 0.02
 """An echo heard again differs by no more: the place within a view differs too."""
 VIEW = np.dtype(
@@ -48,6 +50,26 @@ class SonarViews:
         self._first: dict[tuple[int, int], int] = {}
         self.num = 0
         self.rows = np.zeros(256, VIEW)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what is pickled: keys as arrays, which are read back without holding all up."""
+        state = dict(vars(self), _keys=np.array(self._keys, np.int64).reshape(-1, 3))
+        del state["_row_of"]
+        cells = np.array(list(self._first), np.int64).reshape(-1, 2)
+        return state | {"_first": (cells, np.array(list(self._first.values()), np.int64))}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take what was pickled, a piece at a time: other threads go on meanwhile."""
+        cells, rows = state.pop("_first")
+        keys = state.pop("_keys")
+        vars(self).update(state, _keys=[], _row_of={}, _first={})
+        for k in range(0, len(keys), PIECE):
+            piece = list(map(tuple, keys[k : k + PIECE].tolist()))
+            self._row_of.update(zip(piece, range(k, k + len(piece)), strict=True))
+            self._keys += piece
+        for k in range(0, len(cells), PIECE):
+            piece = list(map(tuple, cells[k : k + PIECE].tolist()))
+            self._first.update(zip(piece, rows[k : k + PIECE].tolist(), strict=True))
 
     @property
     def used(self) -> np.ndarray:

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
+from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from grid_mapper.config import ScanMatcherConfig
 
 MAX_NEIGHBOURS = 4  # looked at on each side
 STEP_M = 0.05  # neighbours are at least about this far apart: nearer ones only show the noise
@@ -72,6 +74,15 @@ def surface_points(
     origin = np.asarray(origin, np.float64)
     covs, normals = _patches(points, origin, abs(angle_increment), sigma, spread)
     return SurfacePoints(points, covs, normals)
+
+
+def points_of(scan: Scan, T_base_laser: SE2, matcher: ScanMatcherConfig) -> SurfacePoints:
+    """Return the points of a scan in the base frame, as they are matched."""
+    points = surface_points(
+        scan.points(), np.zeros(2), scan.angle_increment, matcher.range_sigma_m,
+        0.5 * matcher.cell_m,
+    )  # fmt: skip
+    return points.moved(T_base_laser)
 
 
 @numba.njit(cache=True)

@@ -17,7 +17,7 @@ from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.path_thinner import PathThinner
 from grid_mapper.ros_conversions import path_to_msg, pose_to_msg, stamped_pose
 
-MAX_POSES = 2000
+MAX_POSES = 1000
 """More take too long to publish for a scan to wait."""
 
 
