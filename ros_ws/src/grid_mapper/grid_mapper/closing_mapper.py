@@ -20,7 +20,7 @@ from floornav_common.se2 import SE2
 from grid_mapper.background import Worker
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.corrections import NO_NODE, Corrections
-from grid_mapper.front_end import FrontEnd
+from grid_mapper.front_end import FrontEnd, in_map
 from grid_mapper.kept_events import Kept, KeptReading, KeptScan, ReadingsToKeep
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.layers import LayeredMapper, SonarCounts
@@ -76,7 +76,7 @@ class ClosingMapper:
         result, is_node = self._front.follow(stamp_ns, scan, T_base_laser, T_odom_base)
         if result.is_trusted:
             self._keep_scan(stamp_ns, scan, T_base_laser, result, is_node)
-        return self._in_map(result)
+        return in_map(result, self._T_map_local)
 
     def insert_range(
         self, stamp_ns: int, reading: RangeReading, T_base_sonar: SE2, sensor: str
@@ -246,11 +246,3 @@ class ClosingMapper:
         self._maps.reconfigure(self.config)
         self.corrections = rebuilt.corrections
         self._T_map_local = rebuilt.corrections.T_map_local
-
-    def _in_map(self, result: ScanResult) -> ScanResult:
-        """Return a result of the front end in the map."""
-        T, information = self._T_map_local, result.information
-        return replace(
-            result, T_map_base=T @ result.T_map_base, cov=rotated(result.cov, T.yaw),
-            information=None if information is None else rotated(information, T.yaw),
-        )  # fmt: skip

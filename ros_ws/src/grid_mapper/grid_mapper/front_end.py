@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from grid_mapper.config import GridMapperConfig, KeyScanConfig
 from grid_mapper.key_frames import KeyFrame, thinned
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.localizer import ScanLocalizer, ScanResult
+from grid_mapper.motion import rotated
 from grid_mapper.recent_scans import RecentScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
 
@@ -62,6 +64,15 @@ class FrontEnd:
     def num_bytes(self) -> int:
         """Bytes held by what scans are fitted to."""
         return self._localizer.num_bytes
+
+
+def in_map(result: ScanResult, T_map_local: SE2) -> ScanResult:
+    """Return a result of the front end in the map's frame."""
+    turn, information = T_map_local.yaw, result.information
+    return replace(
+        result, T_map_base=T_map_local @ result.T_map_base, cov=rotated(result.cov, turn),
+        information=None if information is None else rotated(information, turn),
+    )  # fmt: skip
 
 
 def key_frame(
