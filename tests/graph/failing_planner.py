@@ -13,9 +13,9 @@ _obstacles = PlannerInputs.obstacles
 _num_calls = 0
 
 
-def _failing(self: PlannerInputs, velocity: object) -> object:
+def _failing(self: PlannerInputs, *words: object) -> object:
     global _num_calls
-    found = _obstacles(self, velocity)
+    found = _obstacles(self, *words)
     _num_calls += 1
     if _num_calls > FAILS_AFTER:
         raise RuntimeError("broken on purpose")
