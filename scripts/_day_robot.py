@@ -10,6 +10,7 @@ from sim_bridge.robot_model import RobotModel
 from sim_bridge.world import World
 from sjmc_planner.config import LocalPlannerConfig, RobotConfig
 from sjmc_planner.histogram_config import HistogramConfig
+from sjmc_planner.known_config import KnownConfig
 from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.wavefront_config import WavefrontConfig
 
@@ -19,6 +20,8 @@ _MARGIN, _CIRCLE_MARGIN = 0.03, 0.04
 _LOOKAHEAD, _TOLERANCE = {OURS: 0.7, USUAL: 1.0}, 0.15
 _MAP_AGAIN_S = 1.0
 _ROOMS = {"look_m": 1.5, "clearance_m": 0.2}  # rooms are small, and it drives slowly there
+# Doors in glass are narrow here: what is heard beside one is not to close it.
+_NEAR_ECHOES = {"echo_m": 0.6, "pane_m": 0.1}
 _WINDOW_M = 1.2  # with more than that in view VFH+ passes by the doors
 _WAY = {"margin_m": 0.04, "near_m": 0.6, "near_weight": 8.0, "unknown_weight": 12.0}
 
@@ -47,6 +50,7 @@ def pilot_of(world: World, model: RobotModel, method: str) -> Pilot:
     planner = LocalPlannerConfig(
         method=method, robot=robot, lookahead_m=_LOOKAHEAD[method], goal_tolerance_m=_TOLERANCE,
         sjmc=SjmcConfig(**_ROOMS), histogram=HistogramConfig(window_m=_WINDOW_M),
+        known=KnownConfig(**_NEAR_ECHOES),
     )  # fmt: skip
     wavefront = WavefrontConfig(radius_m=half_width + _CIRCLE_MARGIN, **_WAY)
     # A robot that waits maps too, or who has left would stand in its map for good.
