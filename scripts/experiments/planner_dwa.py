@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sjmc_planner.beam_ends import BeamEnds, BeamReader
+from experiments.planner_peer import Peer
+from sjmc_planner.beam_ends import BeamEnds
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.free_way import can_stop
 from sjmc_planner.limited_motion import ramped
@@ -21,7 +22,6 @@ from sjmc_planner.planning import (
     BLOCKED,
     BRAKING,
     DRIVING,
-    REACHED,
     STILL,
     Decision,
     Goal,
@@ -29,7 +29,6 @@ from sjmc_planner.planning import (
     RobotState,
     Velocity,
 )
-from sjmc_planner.steering import Steering
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ class DwaSettings:
     reach_m: float = 3.0
 
 
-class DwaPeer:
+class DwaPeer(Peer):
     """The dynamic window over the points of a scan.
 
     Args:
@@ -64,18 +63,13 @@ class DwaPeer:
     """
 
     def __init__(self, config: LocalPlannerConfig, settings: DwaSettings | None = None) -> None:
-        self._config = config
+        super().__init__(config)
         self._settings = DwaSettings() if settings is None else settings
-        self._reader = BeamReader(config.unseen_gap_rad)
-        self._steering = Steering(config.robot, config.control_period_s)
 
-    def decide(
-        self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
+    def _drive(
+        self, state: RobotState, obstacles: Obstacles, ends: BeamEnds, goal: Goal
     ) -> Decision:
         """Return the command for now: window, admissible velocities, objective."""
-        if goal.distance <= self._config.goal_tolerance_m:
-            return Decision(STILL, REACHED)
-        ends = self._reader.read(obstacles)
         near = _thinned(ends, self._settings.reach_m)
         vx, vy, w = self._window(state, self._steering.fastest(goal))
         clear = _clearance(vx, vy, w, near, self._config.robot.grown_radius)

@@ -15,14 +15,14 @@ import numpy as np
 import pyrvo
 
 from experiments.planner_dwa import DwaPeer
-from sjmc_planner.beam_ends import BeamEnds, BeamReader
+from experiments.planner_peer import Peer
+from sjmc_planner.beam_ends import BeamEnds
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.people_tracker import PeopleTracker
 from sjmc_planner.planning import (
     BLOCKED,
     BRAKING,
     DRIVING,
-    REACHED,
     STILL,
     Decision,
     Goal,
@@ -57,7 +57,7 @@ class OrcaSettings:
     disk_m: float = 0.6
 
 
-class OrcaPeer:
+class OrcaPeer(Peer):
     """ORCA by `pyrvo`.
 
     Args:
@@ -66,20 +66,15 @@ class OrcaPeer:
     """
 
     def __init__(self, config: LocalPlannerConfig, settings: OrcaSettings | None = None) -> None:
-        self._config = config
+        super().__init__(config)
         self._settings = OrcaSettings() if settings is None else settings
         self._tracker = PeopleTracker(config.tracking)
-        self._reader = BeamReader(config.unseen_gap_rad)
-        self._steering = Steering(config.robot, config.control_period_s)
 
-    def decide(
-        self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
+    def _drive(
+        self, state: RobotState, obstacles: Obstacles, ends: BeamEnds, goal: Goal
     ) -> Decision:
-        """Return the command for now."""
+        """Return the command for now: people from the tracker, what stands from the scan."""
         tracks = self._tracker.update(obstacles, state.moved, self._config.control_period_s)
-        if goal.distance <= self._config.goal_tolerance_m:
-            return Decision(STILL, REACHED)
-        ends = self._reader.read(obstacles)
         wanted = self._steering.fastest(goal) * np.array(
             [math.cos(goal.bearing), math.sin(goal.bearing)]
         )

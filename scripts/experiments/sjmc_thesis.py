@@ -21,6 +21,7 @@ from experiments.sjmc_thesis_drives import (
     PUBLISHED,
     STANDING,
     STATIC,
+    WAVEFRONT,
     Outcome,
     Task,
     run_task,
@@ -43,7 +44,7 @@ CHOSEN = (2.7, 2.9, 3.1)  # of C, for Fig. 5.3
 DISTANCES = (0.9, 1.1, 1.3, 1.5, 1.7, 1.9, 2.1, 2.3, 2.7, 3.1, 3.5)
 QUICK_DISTANCES = (1.3, 1.9, 2.7, 3.5)
 METHODS = ("sjmc", PUBLISHED, "vfh_plus")
-HALL_METHODS = ("vff", "vfh", "vfh_plus", PUBLISHED, "sjmc")
+HALL_METHODS = (WAVEFRONT, "vff", "vfh", "vfh_plus", PUBLISHED, "sjmc")
 PARTS = ("static", "crossing", "stable", "table")
 NUM_STATIC, NUM_RUNS, NUM_QUICK = 10, 50, 3
 _FIRST_DANGER = 2.0  # m: of Fig. 5.2, before 5.3 chose 1.9 m

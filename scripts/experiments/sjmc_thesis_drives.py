@@ -16,17 +16,19 @@ import numpy as np
 from experiments.crowd_scenes import ROBOT
 from experiments.planner_drives import Course, drive_course
 from experiments.planner_judge import Drive
+from experiments.planner_wavefront import WavefrontPeer
 from floornav_common.se2 import SE2
 from sim_bridge.people.schema import WalkerPlan
 from sim_bridge.world import Column, RobotPlacement, Wall, World, load_world
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.methods import make_method
+from sjmc_planner.planning import Method
 from sjmc_planner.sjmc_config import SjmcConfig
 
 STATIC, CROSSING, STANDING, ONCOMING, HALL = "static", "crossing", "standing", "oncoming", "hall"
 WALKS = (0.8, 1.4)
 STRAIGHT_RAD = math.radians(10.0)
-PUBLISHED = "sjmc_published"
+PUBLISHED, WAVEFRONT = "sjmc_published", "wavefront"
 _CENTER = -0.145  # of the robot's outline, ahead of base_link, m
 _FAR_FACE, _PAST = -0.79, 0.5
 _MODEL = "segway_urg"
@@ -104,11 +106,16 @@ class Outcome:
 def run_task(task: Task) -> Outcome:
     """Drive one task."""
     sjmc = SjmcConfig(published_response_s=task.response, published_danger_m=task.danger)
-    config = LocalPlannerConfig(method=task.method, robot=ROBOT, sjmc=sjmc)
     rng = np.random.default_rng([task.seed, task.number])
     course = _COURSES[task.kind](task, rng)
     seed = int(rng.integers(2**31))
-    return _outcome(drive_course(course, make_method(config), ROBOT, seed), task)
+    return _outcome(drive_course(course, _method(task.method, sjmc), ROBOT, seed), task)
+
+
+def _method(name: str, sjmc: SjmcConfig) -> Method:
+    if name == WAVEFRONT:
+        return WavefrontPeer(LocalPlannerConfig(robot=ROBOT))
+    return make_method(LocalPlannerConfig(method=name, robot=ROBOT, sjmc=sjmc))
 
 
 def _static(task: Task, rng: np.random.Generator) -> Course:

@@ -13,7 +13,7 @@ from floornav_common.reporting import Picture, Section, Table
 
 NAMES = {
     "sjmc": "SJMC, ours", "sjmc_published": "SJMC, published", "vfh_plus": "VFH+", "vfh": "VFH",
-    "vff": "VFF",
+    "vff": "VFF", "wavefront": "Wavefront",
 }  # fmt: skip
 _COLORS = {"sjmc": "tab:green", "sjmc_published": "tab:orange", "vfh_plus": "tab:blue"}
 _FOUND = {

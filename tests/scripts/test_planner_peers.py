@@ -83,3 +83,22 @@ def test_clearance_by_hand():
     turning = np.array([0.0, 1.0])
     found = _clearance(v, still, turning, points, 0.3)
     assert found[0] == pytest.approx(1.7, abs=1e-3) and np.isinf(found[1])
+
+
+def test_the_wave_makes_its_way_around_what_is_seen_and_stops_where_there_is_none() -> None:
+    from experiments.planner_wavefront import WavefrontPeer, map_of
+
+    config = LocalPlannerConfig(robot=robot_of("differential"), control_period_s=PERIOD)
+    state = RobotState(STILL, STILL, SE2.identity())
+    seen = Obstacles(scan_of(SE2.identity(), [(2.0, 0.15, 0.4)]), SE2.identity())
+    wave = WavefrontPeer(config)
+    decision = wave.decide(state, seen, Goal(np.array([4.0, 0.0]), 4.0))
+    assert decision.state == DRIVING and decision.command.yaw_rate < 0.0  # the freer side
+
+    grid = map_of(np.array([[1.0, 0.5], [-2.0, 0.0]]), np.array([3.0, -1.0]))
+    assert np.count_nonzero(grid.cells) == 2
+    assert grid.to_cells(np.array([[0.0, 0.0], [3.0, -1.0]])).min() >= 0
+    around = [(np.cos(a), np.sin(a), 0.2) for a in np.linspace(-np.pi, np.pi, 24)]
+    shut = Obstacles(scan_of(SE2.identity(), around), SE2.identity())
+    stopped = WavefrontPeer(config).decide(state, shut, Goal(np.array([4.0, 0.0]), 4.0))
+    assert stopped.command == STILL and stopped.reason == "no direction is open"

@@ -130,7 +130,7 @@ class Sjmc:
                 return None
             reason = "slower for a person" if is_slowed else ""
             return Decision(self._command(course, speed), DRIVING, reason)
-        if not self._moments.is_clear(seen, moment):
+        if not (moment.is_met or self._moments.is_clear(seen, moment)):
             room = make_room(
                 moment.state, moment.scene, self._foresight, seen, self._retreat.behind,
                 self._robot, self._config,
@@ -216,7 +216,7 @@ class Sjmc:
         """Return the most speed from which braking keeps clear, and what is foreseen at it."""
         most, now = min(bound, moment.fastest), moment.state.velocity
         around = moment.near, moment.people
-        if most <= _SLOW or not self._moments.is_clear(moment.braked, moment):
+        if most <= _SLOW or moment.is_met or not self._moments.is_clear(moment.braked, moment):
             return 0.0, moment.braked
         for share in _SHARES:
             seen = self._foresight.look(now, course, share * most, self._cycle.period, *around)

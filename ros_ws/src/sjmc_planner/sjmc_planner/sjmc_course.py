@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 _ROOM = 10.0  # m: farther is no freer
@@ -19,9 +21,17 @@ def courses(target: float, step: float, widest: float) -> np.ndarray:
     Returns:
         Shape (2 K + 1,), rad: the target's, then one to the left and one to the right by turns.
     """
-    off = step * np.arange(1, int(widest / step + 1e-9) + 1)
-    around = target + np.concatenate(([0.0], np.column_stack((off, -off)).ravel()))
+    around = target + _fan(step, widest)
     return np.asarray(np.pi - np.remainder(np.pi - around, 2.0 * np.pi))
+
+
+@functools.cache
+def _fan(step: float, widest: float) -> np.ndarray:
+    """Return the courses off the target's, rad; the same ones at every decision."""
+    off = step * np.arange(1, int(widest / step + 1e-9) + 1)
+    fan = np.concatenate(([0.0], np.column_stack((off, -off)).ravel()))
+    fan.setflags(write=False)
+    return fan
 
 
 def nearest_open(free: np.ndarray, danger: float, side: int = 0) -> int:

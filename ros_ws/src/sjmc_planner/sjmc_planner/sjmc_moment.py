@@ -19,6 +19,7 @@ from sjmc_planner.sjmc_scene import Scene
 _WIDEST = math.radians(120.0)
 _SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
 _NO_SPEED = 0.03
+_MET_M = 0.2  # from the outline to a person's disk: legs reach out of it
 _KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
 _NO_GAP = 1e-6
 
@@ -35,6 +36,7 @@ class Moment:
         bearings: Of the courses, the target's first, shape (K,), rad.
         free: How far each is free of what does not yield, shape (K,), m; 0 where not looked.
         fastest: What the travel speed, the goal and the horizon allow, m/s.
+        is_met: Whether one of several who walk is right before the robot.
         is_blind: Whether the way that the robot faces was not looked along.
         now: Gaps of now.
         near: Things that braking may come near, shape (M, 2), m.
@@ -49,6 +51,7 @@ class Moment:
     bearings: np.ndarray
     free: np.ndarray
     fastest: float
+    is_met: bool
     is_blind: bool
     now: Foreseen
     near: np.ndarray
@@ -90,14 +93,23 @@ class MomentReader:
         is_blind = bool(scene.ends.unseen(heading, *looked)[0])
         room = min(goal.distance, scene.ends.horizon - self._box.front)
         fastest = min(robot.speed_m_s, stopping_speed(room, robot.accel_m_s2, self._delay))
+        is_met = scene.num_walking > 1 and self._is_met(scene)
         now = self._foresight.gaps(scene.solids, scene.people)
         near = self._foresight.within_reach(state.velocity, fastest, scene.solids)
         people = self._foresight.may_meet(state.velocity, fastest, scene.people)
         braked = self._foresight.look(state.velocity, 0.0, 0.0, 0.0, near, people)
         return Moment(
-            state, goal, scene, is_judged, bearings, free, fastest, is_blind, now, near, people,
-            braked,
+            state, goal, scene, is_judged, bearings, free, fastest, is_met, is_blind, now, near,
+            people, braked,
         )  # fmt: skip
+
+    def _is_met(self, scene: Scene) -> bool:
+        """Tell whether somebody who walks is right before the robot's front half."""
+        walking, box = scene.people[scene.is_moving], self._box
+        ahead = np.maximum(walking[:, 0] - box.front, 0.0)
+        aside = np.maximum(np.abs(walking[:, 1]) - box.half_width, 0.0)
+        is_before = walking[:, 0] > 0.5 * (box.front - box.rear)
+        return bool((is_before & (np.hypot(ahead, aside) - walking[:, 4] < _MET_M)).any())
 
     def _is_beside(self, course: float, scene: Scene) -> np.ndarray:
         """Tell who is not in D along a course but too near beside it, shape (N,), bool."""

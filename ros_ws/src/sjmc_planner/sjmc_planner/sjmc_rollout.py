@@ -84,21 +84,25 @@ class Foresight:
         found = _gaps(here, self._box, 0.0, things, people, np.inf, np.inf, 0.0)
         return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
 
-    def within_reach(self, now: Velocity, fastest: float, things: np.ndarray) -> np.ndarray:
-        """Return the things that braking from a moment's driving may come near, (K, 2)."""
-        reach = self._reach(now, fastest)
+    def within_reach(
+        self, now: Velocity, fastest: float, things: np.ndarray, hold: float = 0.0
+    ) -> np.ndarray:
+        """Return the things that braking after driving for `hold` may come near, (K, 2)."""
+        reach = self._reach(now, fastest, hold)
         is_near = things[:, 0] ** 2 + things[:, 1] ** 2 < reach * reach
         return things[is_near]
 
-    def may_meet(self, now: Velocity, fastest: float, people: np.ndarray) -> np.ndarray:
+    def may_meet(
+        self, now: Velocity, fastest: float, people: np.ndarray, hold: float = 0.0
+    ) -> np.ndarray:
         """Return the people who may come near meanwhile and until the end of the look, (K, 5)."""
         walk = np.sqrt(people[:, 2] ** 2 + people[:, 3] ** 2) * self._times[1]
         far = np.sqrt(people[:, 0] ** 2 + people[:, 1] ** 2)
-        return people[far < self._reach(now, fastest) + walk + people[:, 4]]
+        return people[far < self._reach(now, fastest, hold) + walk + people[:, 4]]
 
-    def _reach(self, now: Velocity, fastest: float) -> float:
+    def _reach(self, now: Velocity, fastest: float, hold: float) -> float:
         speed = max(now.speed, fastest)
-        stop = speed * (self._times[0] + _DT + speed / (2.0 * self._limits[0]))
+        stop = speed * (self._times[0] + _DT + hold + speed / (2.0 * self._limits[0]))
         return self._size + stop + _BEYOND
 
 

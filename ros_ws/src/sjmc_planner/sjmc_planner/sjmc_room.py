@@ -1,4 +1,9 @@
-"""Making room for who would come too near even if the robot stopped: back, or turn away in time."""
+"""Making room for who would come too near even if the robot stopped: back, or turn away in time.
+
+Who would walk over it anyway had better meet a robot that stands. Among several who walk it backs
+slowly, and stands while one of them is right before it: whoever gives way to one gets into the way
+of the next, and a robot that stands is the one that they can reckon with.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +15,10 @@ from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_scene import Scene
 
-_BACK = (-0.15, -0.3, -0.5)  # m/s
+_BACK = (-0.15, -0.3, -0.5)  # m/s; only the first among several
 _AWAY = (20.0, 40.0, 60.0, 80.0, 100.0)  # deg
 _HOLD_S = 1.5
+_HOPELESS = -0.2  # m
 _GAIN, _GAIN_ON = 0.05, 0.005  # better than standing by this at least, to begin and to go on, m
 
 
@@ -36,13 +42,16 @@ def make_room(
         robot: Its limits.
         config: Clearances and times.
     """
+    now, fastest = state.velocity, robot.speed_m_s
+    things = foresight.within_reach(now, fastest, scene.solids, _HOLD_S)
+    people = foresight.may_meet(now, fastest, scene.people, _HOLD_S)
     gain = _GAIN_ON if state.command.x < 0.0 else _GAIN
-    best, chosen = standing.people_gap + gain, None
-    for speed in _BACK:
+    best, chosen = max(standing.people_gap + gain, _HOPELESS), None
+    for speed in _BACK if scene.num_walking <= 1 else _BACK[:1]:
         if behind <= 0.02:
             break
         hold = behind / -speed
-        seen = foresight.look(state.velocity, 0.0, speed, hold, scene.solids, scene.people)
+        seen = foresight.look(now, 0.0, speed, hold, things, people)
         if seen.people_gap > best:
             best, chosen = seen.people_gap, (speed, 0.0)
         if best >= config.clearance_m:
@@ -53,9 +62,7 @@ def make_room(
         for share in (1.0, 0.5):
             speed, gaps = share * robot.speed_m_s, {}
             for course in (math.radians(angle), -math.radians(angle)):
-                seen = foresight.look(
-                    state.velocity, course, speed, _HOLD_S, scene.solids, scene.people
-                )
+                seen = foresight.look(now, course, speed, _HOLD_S, things, people)
                 gaps[course] = seen.people_gap if seen.thing_gap >= robot.margin_m else -math.inf
             course = max(gaps, key=gaps.__getitem__)
             if gaps[course] > best + _GAIN:

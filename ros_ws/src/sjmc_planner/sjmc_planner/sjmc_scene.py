@@ -29,6 +29,7 @@ _MOVES = 0.5  # probability
 _STANDS = 0.15  # m/s
 _NARROWS = 0.05  # m/s: how fast what was wide counts as narrower once it looks it
 _PANE = 0.25  # who is seen this near to a pane, or through it, is no person in the way, m
+_NEAR_M = 2.5
 _EDGE = 0.15  # beams that end this near to a person's disk are the person's, m
 
 
@@ -52,6 +53,12 @@ class Scene:
     number: np.ndarray
     is_moving: np.ndarray
 
+    @property
+    def num_walking(self) -> int:
+        """How many people walk near the robot."""
+        x, y = self.people[:, 0], self.people[:, 1]
+        return int(np.count_nonzero((x * x + y * y < _NEAR_M * _NEAR_M) & self.is_moving))
+
 
 class SceneReader:
     """Turns scans into scenes.
@@ -70,7 +77,7 @@ class SceneReader:
         self._person_width, self._period = person_width, period
         self._scan: Scan | None = None
         self._beams = np.zeros(0, dtype=np.int64)
-        self._widths: dict[int, float] = {}
+        self._widths = np.zeros(0), np.zeros(0, dtype=np.int64)
         self._kept = np.zeros((0, 3))
         self._last = np.zeros((0, 2))
 
@@ -112,10 +119,8 @@ class SceneReader:
         widths = _widths(
             ends.ranges, tracks.beam_track, ends.angle_min, ends.angle_increment, len(tracks)
         )
-        numbers, shrunk = tracks.number.tolist(), _NARROWS * self._period
-        before = np.array([self._widths.get(n, 0.0) for n in numbers]).reshape(-1) - shrunk
-        widths = np.maximum(widths, before)
-        self._widths = dict(zip(numbers, widths.tolist(), strict=True))
+        widths = _not_sooner(widths, tracks.number, *self._widths, _NARROWS * self._period)
+        self._widths = widths, tracks.number
         return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
 
     def _remember(
@@ -146,6 +151,17 @@ def _widths(ranges, beam_track, angle_min, step, num):  # type: ignore[no-untype
             a, b, turn = ranges[first[k]], ranges[last[k]], step * (last[k] - first[k])
             widths[k] = math.sqrt(max(a * a + b * b - 2.0 * a * b * math.cos(turn), 0.0))
     return widths
+
+
+@numba.njit(cache=True, nogil=True)
+def _not_sooner(widths, numbers, before, numbers_before, shrunk):  # type: ignore[no-untyped-def]
+    """Return widths that have shrunk no faster than allowed since the last call."""
+    found = widths.copy()
+    for k in range(len(widths)):
+        for j in range(len(before)):
+            if numbers_before[j] == numbers[k]:
+                found[k] = max(found[k], before[j] - shrunk)
+    return found
 
 
 @numba.njit(cache=True, nogil=True)
