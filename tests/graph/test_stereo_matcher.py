@@ -45,6 +45,7 @@ class Rig:
         self.images = {"left": wall[:, :WIDTH], "right": wall[:, SHIFT : WIDTH + SHIFT]}
         self.infos = {"left": info(0.0), "right": info(BASELINE)}
         self.skew_ns = 0
+        self.sides = ["left", "right"]
         self.topics = {
             (side, kind): peer.publisher(kind, f"stereo/front/{side}/{name}", RELIABLE_QOS, to=node)
             for side in self.images
@@ -59,7 +60,8 @@ class Rig:
     def see_until(self, is_done: Callable[[], bool]) -> None:
         for _ in range(400):
             self.stamp_ns += 100_000_000
-            for side, pixels in self.images.items():
+            for side in self.sides:
+                pixels = self.images[side]
                 stamp = ns_to_stamp(self.stamp_ns + (self.skew_ns if side == "right" else 0))
                 self.infos[side].header.stamp = stamp
                 self.topics[side, CameraInfo].publish(self.infos[side])
@@ -78,16 +80,32 @@ class Rig:
         return is_so
 
 
+def test_parameters_are_checked_before_anything_is_compiled(start: Any) -> None:
+    code = (
+        "import sys; from multi_localizer.nodes import stereo_matcher_node as n; "
+        "n.StereoMatcher.warm_up = lambda _: print('it compiles', flush=True); sys.exit(n.main())"
+    )
+    node = start("-c", code, "--ros-args", "-p", "nosuch:=1")
+    assert node.wait_for_exit(START_S) == 2
+    assert "nosuch" in node.text and "it compiles" not in node.text
+
+
 def test_a_pair_becomes_disparities_or_a_reason_why_not(start: Any, peer: Any) -> None:
     """One node lives through all of it."""
     args = ("--ros-args", "-p", "pairs:=[front]", "-p", "num_disparities:=32")
     node = start(*NODE, *args)
     node.wait_for("ready", START_S)
     rig = Rig(peer, node)
+    rig.sides = ["left"]
+    rig.see_until(rig.says(WARN, "no right images on /stereo/front/right/image_rect"))
+    assert not any(s.level == OK for s in statuses(rig.states, "stereo front"))
+    rig.sides = ["left", "right"]
     rig.see_until(lambda: bool(rig.found) and rig.says(OK, "disparities are sent")())
+    rig.see_until(lambda: "front: disparities are sent" in node.text)
     msg = rig.found[-1]
     values = np.frombuffer(msg.image.data, np.float32).reshape(HEIGHT, WIDTH)
-    assert np.all(np.abs(values - SHIFT) <= 0.5)
+    assert np.all(np.abs(values - SHIFT)[values >= 0.0] <= 0.5)
+    assert np.mean(values[:, :SHIFT] == -1.0) > 0.9 and np.all(values[:, SHIFT + 3 : -3] >= 0.0)
     assert (msg.header.frame_id, msg.image.encoding) == (FRAME, "32FC1")
     assert msg.header == msg.image.header and stamp_to_ns(msg.header.stamp) % 100_000_000 == 0
     assert (msg.f, msg.min_disparity, msg.max_disparity) == (FOCAL, 0.0, 31.0)

@@ -95,3 +95,61 @@ def test_a_world_is_made_by_who_knows_it(tmp_path, capsys):
     assert main(args, world_maker) == 0
     assert asked == [("w", 0.5, 0.2)] and load_voxel_map(out).frame == "f"
     assert "24 voxels are occupied" in capsys.readouterr().out
+
+
+def test_cameras_in_folders_of_their_own_make_one_map(tmp_path, capsys):
+    one = folder_of(tmp_path / "front", is_stereo=False)
+    turned = "0 0 0.5 0.5 0.5 -0.5 -0.5"  # looks along -x
+    other = folder_of(tmp_path / "rear", is_stereo=False, poses=f"1.0 {turned}\n")
+    (other / "camera.yaml").write_text(yaml.safe_dump({**CAMERA, "fx": 90.0, "depth_per_m": 1000}))
+    out = tmp_path / "map.npz"
+    assert main(["--views", str(one), str(other), "--out", str(out)]) == 0
+    assert "2 views\n" in capsys.readouterr().out
+    voxels = load_voxel_map(out)
+    x = voxels.origin_x_m + voxels.cell_m * np.flatnonzero(voxels.occupied.any(axis=(0, 1)))
+    assert x[0] < -WALL_M < x[-1] and x[-1] > WALL_M
+    stereo = folder_of(tmp_path / "stereo", is_stereo=True)
+    with pytest.raises(UserError, match="of one kind"):
+        main(["--views", str(one), str(stereo), "--out", str(tmp_path / "m.npz")])
+
+
+def test_an_image_without_its_depth_is_left_out_and_counted(tmp_path, capsys):
+    views = folder_of(tmp_path / "views", False, f"1.0 {POSE}\n2.0 {POSE}\n")
+    image = cv2.imread(str(views / "color" / "1.0.png"))
+    cv2.imwrite(str(views / "color" / "2.0.png"), image)
+    posed = load_posed_views(views)
+    assert (len(posed.views), posed.num_without_pose, posed.num_single) == (1, 0, 1)
+    assert main(["--views", str(views), "--out", str(tmp_path / "m.npz"), *BOUNDS]) == 0
+    assert "1 views; 1 lack their depth or right image" in capsys.readouterr().out
+    (views / "depth" / "1.0.png").unlink()
+    with pytest.raises(ValueError, match="its other half in depth/"):
+        load_posed_views(views)
+
+
+def test_poses_of_another_frame_than_the_optical_one_are_warned_of(tmp_path, capsys):
+    upright = folder_of(tmp_path / "upright", is_stereo=False)
+    main(["--views", str(upright), "--out", str(tmp_path / "a.npz"), *BOUNDS])
+    assert "warning" not in capsys.readouterr().out
+    wrong = folder_of(tmp_path / "wrong", is_stereo=False, poses="1.0 0 0 0.5 0 0 0 1\n")
+    main(["--views", str(wrong), "--out", str(tmp_path / "b.npz")])
+    assert "must be those of the optical frame" in "".join(capsys.readouterr())
+
+
+def test_options_that_do_nothing_and_maps_too_large_are_refused(tmp_path):
+    out = ["--out", str(tmp_path / "m.npz"), "--quiet"]
+    for more in (BOUNDS, ["--max-depth", "3"]):
+        with pytest.raises(UserError, match="are for --views"):
+            main(["--world", "w", *out, *more], lambda *_: pytest.fail("made"))
+
+    def too_large(*_):
+        raise MemoryError
+
+    with pytest.raises(UserError, match="larger --cell"):
+        main(["--world", "w", *out], too_large)
+    views = folder_of(tmp_path / "views", is_stereo=False)
+    with pytest.raises(UserError, match="voxels are too many"):
+        main(["--views", str(views), *out, "--cell", "0.00001", *BOUNDS])
+    camera = {**CAMERA, "depth_per_m": 1000, "baseline_m": 0.1}
+    (views / "camera.yaml").write_text(yaml.safe_dump(camera))
+    with pytest.raises(UserError, match="not both"):
+        main(["--views", str(views), *out])

@@ -18,8 +18,9 @@ import numpy as np
 from floornav_common.reporting import Progress, UserError, run_command, say
 from multi_localizer.voxel_fusion import FusionSettings, extent_of, fuse_views
 from multi_localizer.voxel_map import VoxelMap, save_voxel_map
-from multi_localizer.voxel_view_files import load_posed_views
+from multi_localizer.voxel_view_files import PosedViews, load_all_views
 
+_MAX_DEPTH_M = 4.0
 WorldMaker = Callable[[str, float, float], VoxelMap]
 
 
@@ -41,6 +42,11 @@ def main(argv: list[str] | None = None, world_maker: WorldMaker | None = None) -
         save_voxel_map(args.out, replace(voxels, frame=args.frame))
     except (ValueError, OSError) as error:
         raise UserError(str(error)) from error
+    except MemoryError as error:
+        raise UserError(
+            f"so many voxels of {args.cell:g} x {args.cell:g} x {args.layer:g} m do not fit into "
+            "memory; use a larger --cell or --layer"
+        ) from error
     layers, rows, columns = voxels.shape
     say(
         f"{columns} x {rows} cells of {voxels.cell_m:g} m, {layers} layers of {voxels.layer_m:g} m"
@@ -57,7 +63,8 @@ def make_parser() -> argparse.ArgumentParser:
         prog="make_voxel_map", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     source = parser.add_mutually_exclusive_group(required=True)
-    source.add_argument("--views", type=Path, metavar="DIR", help="a folder of posed views")
+    source.add_argument("--views", type=Path, nargs="+", metavar="DIR",
+        help="folders of posed views, one a camera")  # fmt: skip
     source.add_argument("--world", metavar="NAME", help="a world's name or YAML file")
     add = parser.add_argument
     add("--out", type=Path, default=Path("voxel_map.npz"), metavar="FILE",
@@ -66,8 +73,8 @@ def make_parser() -> argparse.ArgumentParser:
         help="edge of a voxel along x and y, m (default: %(default)g)")  # fmt: skip
     add("--layer", type=_length, default=0.16, metavar="M",
         help="height of a layer, m (default: %(default)g)")  # fmt: skip
-    add("--max-depth", type=_length, default=4.0, metavar="M",
-        help="--views: farther distances are not used (default: %(default)g)")  # fmt: skip
+    add("--max-depth", type=_length, metavar="M",
+        help=f"--views: farther distances are not used (default: {_MAX_DEPTH_M:g})")  # fmt: skip
     add("--bounds", nargs=6, type=float, metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
         help="--views: what the map reaches over, m (default: all that is seen)")  # fmt: skip
     add("--frame", default="map", metavar="NAME", help="the map's frame (default: %(default)s)")
@@ -76,26 +83,42 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def _from_world(args: argparse.Namespace, world_maker: WorldMaker | None) -> VoxelMap:
+    if args.bounds is not None or args.max_depth is not None:
+        raise UserError("--bounds and --max-depth are for --views: a world's map is of all of it")
     if world_maker is None:
         raise UserError("worlds need the simulator: python3 scripts/make_voxel_map.py --world NAME")
     return world_maker(args.world, args.cell, args.layer)
 
 
 def _from_views(args: argparse.Namespace) -> VoxelMap:
+    max_depth = _MAX_DEPTH_M if args.max_depth is None else args.max_depth
     with Progress("views", None, is_quiet=args.quiet) as progress:
-        posed = load_posed_views(args.views, lambda done, _: progress.update(done))
-    if posed.num_without_pose:
-        say(f"{posed.num_without_pose} images have no pose and are left out", is_quiet=args.quiet)
+        posed = load_all_views(args.views, lambda done, _: progress.update(done))
+    _say_what_is_used(posed, args.quiet)
     if args.bounds is None:
-        low, high = extent_of(posed.views, args.max_depth)
+        low, high = extent_of(posed.views, max_depth)
     else:
         low, high = np.array(args.bounds).reshape(2, 3)
     settings = FusionSettings(
-        cell_m=args.cell, layer_m=args.layer, max_depth_m=args.max_depth,
+        cell_m=args.cell, layer_m=args.layer, max_depth_m=max_depth,
         error_grows=posed.is_stereo, band_m=max(0.08, 3.0 * args.cell),
     )  # fmt: skip
     with Progress("layers", None, is_quiet=args.quiet) as progress:
         return fuse_views(posed.views, low, high, settings, lambda done, _: progress.update(done))
+
+
+def _say_what_is_used(posed: PosedViews, is_quiet: bool) -> None:
+    text = f"{len(posed.views)} views"
+    if posed.num_without_pose:
+        text += f"; {posed.num_without_pose} images have no pose and are left out"
+    if posed.num_single:
+        text += f"; {posed.num_single} lack their depth or right image and are left out"
+    say(text, is_quiet=is_quiet)
+    if not posed.are_upright:
+        say(
+            "warning: in most views down in the image is not down in the map (z up): poses must be "
+            "those of the optical frame, x right, y down, z along the view"
+        )
 
 
 def _length(text: str) -> float:

@@ -19,6 +19,8 @@ import numpy as np
 from multi_localizer.voxel_map import VoxelMap
 
 _SLICE_M = 0.04
+MOST_VOXELS = 5 * 10**8
+"""2 GB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,16 +121,22 @@ def fuse_views(
         on_layer: Called after each layer with how many are done, and of how many.
 
     Raises:
-        ValueError: If there are no views, their sizes differ, or the corners are not in order.
+        ValueError: If there are no views, their sizes differ, the corners are not in order, or the
+            map would not fit into memory.
     """
     if not views or len({view.depth.shape for view in views}) > 1:
         raise ValueError(f"views must be at least one, all of one size, got {len(views)}")
     edge = np.array([settings.cell_m, settings.cell_m, settings.layer_m])
-    if not (np.asarray(low) < np.asarray(high)).all():
+    if not (np.asarray(low) <= np.asarray(high)).all():
         raise ValueError(f"low must be below high, got {list(low)} and {list(high)}")
     first = np.floor((np.asarray(low) - settings.band_m) / edge - 0.5)
     last = np.ceil((np.asarray(high) + settings.band_m) / edge + 0.5)
     columns, rows, layers = (int(n) for n in last - first)
+    if columns * rows * layers > MOST_VOXELS:
+        raise ValueError(
+            f"{columns} x {rows} x {layers} voxels are too many, at most {MOST_VOXELS:.0e}: cells "
+            "and layers must be larger, or what the map reaches over smaller"
+        )
     color = np.zeros((layers, rows, columns, 3), dtype=np.uint8)
     occupied = np.zeros((layers, rows, columns), dtype=np.bool_)
     stacks = _stacked(views)

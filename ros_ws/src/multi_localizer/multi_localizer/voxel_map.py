@@ -129,13 +129,13 @@ def save_voxel_map(path: Path | str, voxels: VoxelMap, overwrite: bool = False) 
 
 
 def load_voxel_map(path: Path | str) -> VoxelMap:
-    """Read a map.
+    """Read a map; `~` stands for the user's folder.
 
     Raises:
         FileNotFoundError: If there is no file.
         ValueError: If it is no such map, is cut off, or its parts do not fit together.
     """
-    path = Path(path)
+    path = Path(path).expanduser()
     if not path.is_file():
         raise FileNotFoundError(f"no voxel map {path}")
     try:

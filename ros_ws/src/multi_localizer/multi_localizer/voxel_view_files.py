@@ -5,13 +5,14 @@
     color/<stamp>.png with depth/<stamp>.png (16 bit, depth_per_m a meter, 0 = unknown)
     left/<stamp>.png with right/<stamp>.png (rectified, baseline_m apart): distances are matched
 
-A TUM RGB-D sequence becomes one by renaming `rgb` and `groundtruth.txt`, with depth_per_m: 5000.
-An image takes the pose nearest to its stamp, at most 20 ms away; others are passed over.
+Each camera has a folder of its own. A TUM RGB-D sequence becomes one by renaming `rgb` and
+`groundtruth.txt`, with depth_per_m: 5000. An image takes the pose nearest to its stamp, at most
+20 ms away; others are passed over, and so are those whose other half (depth, right) is not there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from multi_localizer.stereo_matcher import StereoMatcher
 from multi_localizer.voxel_fusion import PosedView
 
 _NEAREST_S = 0.02
+_LEAST_DOWN = -0.5
 _KEYS = ("fx", "fy", "cx", "cy")
 
 
@@ -35,12 +37,43 @@ class PosedViews:
     Attributes:
         views: In the order of their stamps.
         is_stereo: Whether distances were matched; their errors grow with the distance.
-        num_without_pose: How many images were passed over.
+        num_without_pose: How many images were passed over, as they have no pose.
+        num_single: How many, as their depth or right image is not there.
     """
 
     views: list[PosedView]
     is_stereo: bool
     num_without_pose: int
+    num_single: int
+
+    @property
+    def are_upright(self) -> bool:
+        """Whether in most views down in the image is down in the map."""
+        down = [view.T_map_camera[2, 1] for view in self.views]
+        return float(np.median(down)) < _LEAST_DOWN
+
+
+def load_all_views(
+    folders: Sequence[Path], on_view: Callable[[int, int], None] = lambda done, total: None
+) -> PosedViews:
+    """Read folders of views, one a camera, all of one kind and image size.
+
+    Raises:
+        ValueError: If that is not so, or as `load_posed_views`.
+    """
+    loaded = [load_posed_views(folder, on_view) for folder in folders]
+    if len({one.is_stereo for one in loaded}) > 1:
+        raise ValueError("folders hold stereo pairs and RGB-D images: make a map of one kind")
+    sizes = {one.views[0].depth.shape: folder for one, folder in zip(loaded, folders, strict=True)}
+    if len(sizes) > 1:
+        text = ", ".join(f"{w} x {h} in {folder}" for (h, w), folder in sizes.items())
+        raise ValueError(f"the images must be of one size: {text}")
+    return PosedViews(
+        [view for one in loaded for view in one.views],
+        loaded[0].is_stereo,
+        sum(one.num_without_pose for one in loaded),
+        sum(one.num_single for one in loaded),
+    )
 
 
 def load_posed_views(
@@ -66,11 +99,14 @@ def load_posed_views(
     if not names:
         raise ValueError(f"{folder}: no images in color/ or left/")
     depth_of = _matched(camera) if is_stereo else _measured(camera)
-    views, num_without = [], 0
+    views, num_without, num_single = [], 0, 0
     for k, name in enumerate(names):
         gaps = np.abs(stamps - _stamp(name))
         if gaps.min() > _NEAREST_S:
             num_without += 1
+            continue
+        if not (folder / second / name).is_file():
+            num_single += 1
             continue
         image = cv2.cvtColor(_read(folder / first / name, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
         depth = depth_of(image, folder / second / name)
@@ -81,9 +117,11 @@ def load_posed_views(
             raise ValueError(f"{folder / second / name}: {error}") from error
         views.append(view)
         on_view(k + 1, len(names))
+    if not views and num_single:
+        raise ValueError(f"{folder}: no image in {first}/ has its other half in {second}/")
     if not views:
         raise ValueError(f"{folder}: no image has a pose within {_NEAREST_S:g} s of its stamp")
-    return PosedViews(views, is_stereo, num_without)
+    return PosedViews(views, is_stereo, num_without, num_single)
 
 
 def _matched(camera: dict[str, float]) -> Callable[[np.ndarray, Path], np.ndarray]:
@@ -120,6 +158,8 @@ def _camera(path: Path) -> dict[str, float]:
     if bad or set(values) - known:
         wrong = f"lacks {', '.join(bad)}" if bad else f"has {sorted(set(values) - known)}"
         raise ValueError(f"{path}: {wrong}; keys are {', '.join(sorted(known))}")
+    if {"baseline_m", "depth_per_m"} <= set(values):
+        raise ValueError(f"{path}: baseline_m is for stereo pairs, depth_per_m for RGB-D; not both")
     try:
         return {key: float(value) for key, value in values.items()}
     except (TypeError, ValueError) as error:

@@ -31,13 +31,12 @@ class StereoMatcherNode(FloornavNode):
     """Feeds pairs to a StereoMatcher and publishes what it finds."""
 
     def __init__(self) -> None:
-        """Declare, compile, subscribe, and say ready."""
+        """Declare, subscribe, compile, and say ready."""
         super().__init__("stereo_matcher")
         config = declare_config(self, StereoPairsConfig)
         matching = declare_config(self, StereoMatcherConfig, on_change=self._tune)
         self._num_threads = int(self.get_parameter("num_threads").value)
         self._matcher = StereoMatcher(matching, self._num_threads)
-        self._matcher.warm_up()
         self._outputs = {
             name: create_publisher(self, DisparityImage, f"stereo/{name}/disparity", RELIABLE_QOS)
             for name in config.pairs
@@ -46,7 +45,7 @@ class StereoMatcherNode(FloornavNode):
             StereoPairInput(self, name, config, partial(self._on_pair, name))
             for name in config.pairs
         ]
-        self.ready()
+        self.ready(self._matcher.warm_up)
 
     def _tune(self, config: StereoMatcherConfig) -> None:
         self._matcher = StereoMatcher(config, self._num_threads)

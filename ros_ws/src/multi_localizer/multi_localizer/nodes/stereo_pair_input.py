@@ -42,25 +42,27 @@ class StereoPairInput:
         on_pair: Callable[[Any, np.ndarray, np.ndarray, RectifiedPair], None],
     ) -> None:
         """Subscribe at once."""
-        self._on_pair = on_pair
+        self._node, self._on_pair = node, on_pair
         self._cameras: dict[str, CameraModel] = {}
         self._problem, self._num_pairs, self._num_single, self._singles = "", 0, 0, 0
+        self._is_sent = False
+        self._single_sides: set[str] = set()
+        self._topics: dict[str, str] = {}
         topic = f"stereo/{name}"
         is_raw = config.image_transport == "raw"
         kind, ending = (Image, "") if is_raw else (CompressedImage, "/compressed")
         self._pixels_of = image_to_array if is_raw else compressed_to_array
         for side in SIDES:
-            create_subscription(
-                node, kind, f"{topic}/{side}/image_rect{ending}", partial(self._on_image, side),
-                SENSOR_QOS,
-            )  # fmt: skip
+            images = f"{topic}/{side}/image_rect{ending}"
+            self._topics[side] = node.resolve_topic_name(images)
+            create_subscription(node, kind, images, partial(self._on_image, side), SENSOR_QOS)
             create_subscription(
                 node, CameraInfo, f"{topic}/{side}/camera_info", partial(self._on_info, side),
                 SENSOR_QOS,
             )  # fmt: skip
         self.watchdog = Watchdog(node, node.resolve_topic_name(topic), config.image_timeout_s)
         node.diagnostics.add(f"stereo {name}", self.status)
-        self._log = StateLog(node, self.status)
+        self._log = StateLog(node, self.status, name)
         self._images = StampedInput(node, config.wait_s, self._take)
         node.time.on_restart(self._images.groups.clear)
 
@@ -71,13 +73,23 @@ class StereoPairInput:
             "images that came too late": self._images.groups.num_late,
         }  # fmt: skip
         if not self.watchdog.is_fresh:
+            self._is_sent = False
             return Status(STALE, "no images: no disparities are sent", values)
         if self._singles >= _SINGLE_AFTER:
-            text = "images without a partner of the same stamp: no disparities are sent"
-            return Status(WARN, text, values)
+            return Status(WARN, f"{self._why_single()}: no disparities are sent", values)
         if self._problem:
             return Status(ERROR, f"no disparities are sent: {self._problem}", values)
+        if not self._is_sent:
+            return Status(STALE, "waiting for a whole pair: no disparities are sent", values)
         return Status(OK, "disparities are sent", values)
+
+    def _why_single(self) -> str:
+        silent = [side for side in SIDES if side not in self._single_sides]
+        if not silent:
+            return "images without a partner of the same stamp"
+        topic = self._topics[silent[0]]
+        by_nobody = "" if self._node.count_publishers(topic) else ", which nobody publishes"
+        return f"no {silent[0]} images on {topic}{by_nobody}"
 
     def _on_info(self, side: str, msg: CameraInfo) -> None:
         self._cameras[side] = camera_from_msg(msg)
@@ -90,11 +102,13 @@ class StereoPairInput:
         if len(images) < len(SIDES):
             self._num_single += 1
             self._singles += 1
+            self._single_sides.update(images)
             return
         self._singles = 0
+        self._single_sides.clear()
         try:
             self._match(images)
-            self._problem = ""
+            self._problem, self._is_sent = "", True
         except ValueError as error:
             self._problem = str(error)
 
