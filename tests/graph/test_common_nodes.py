@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -140,6 +143,36 @@ def test_echo_finds_types_and_shows_poses_and_what_changed_of_diagnostics(
     assert "/pose 0.000 s in 'map': x 1.250 y 0.000 m yaw 0.0 deg, deviations" in echo.text
     assert echo.text.count("/diagnostics WARN  a: b: hm") == 1
     assert echo.stop() == 0
+
+
+def test_echo_ends_quietly_where_nobody_reads_any_more(peer: Peer) -> None:
+    command = [sys.executable, "-m", "floornav_common.ros.echo", "/pose"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    echo = subprocess.Popen(command, env=dict(os.environ), **pipes)
+    try:
+        assert echo.stdout is not None and echo.stderr is not None
+        pose = peer.node.create_publisher(PoseWithCovarianceStamped, "/pose", 5)
+        lines: list[str] = []
+        reader = threading.Thread(target=lambda: lines.append(echo.stdout.readline()))
+        reader.start()
+
+        def shows(is_done: Callable[[], bool]) -> None:
+            def sent() -> bool:
+                pose.publish(PoseWithCovarianceStamped())
+                return is_done()
+
+            peer.spin_until(sent, 60.0)
+
+        shows(lambda: bool(lines))
+        echo.stdout.close()
+        shows(lambda: echo.poll() is not None)
+        reader.join()
+        assert echo.returncode == 0 and echo.stderr.read() == ""
+    finally:
+        if echo.poll() is None:
+            echo.kill()
+        echo.wait(60.0)
+        echo.stderr.close()
 
 
 def test_echo_ends_after_so_many_and_names_what_it_does_not_take(start: Start, peer: Peer) -> None:

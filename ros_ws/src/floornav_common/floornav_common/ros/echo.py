@@ -10,6 +10,7 @@ Types are found in the graph. Of /diagnostics only what is new or has changed is
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -47,7 +48,7 @@ class EchoNode(Node):
         types = dict(self.get_topic_names_and_types())
         if self._is_list:
             if self._num_looks == _LOOKS_OF_LIST:
-                print("\n".join(f"{n}  {', '.join(t)}" for n, t in sorted(types.items())))
+                _say("\n".join(f"{n}  {', '.join(t)}" for n, t in sorted(types.items())))
                 rclpy.try_shutdown()
             return
         for topic in [t for t in self._waiting if self.count_publishers(t)]:
@@ -73,7 +74,7 @@ class EchoNode(Node):
         is_diagnostic = type(msg).__name__ == "DiagnosticArray"
         lines = self._changes(msg) if is_diagnostic else [one_line(msg)]
         for line in lines:
-            print(f"{topic} {line}", flush=True)
+            _say(f"{topic} {line}")
         if lines and self._left:
             self._left -= 1
             if not self._left:
@@ -87,6 +88,15 @@ class EchoNode(Node):
                 self._said[status.name] = key
                 lines.append(f"{_LEVELS[status.level[0] % 4]:5} {status.name}: {status.message}")
         return lines
+
+
+def _say(line: str) -> None:
+    """Print a line; where nobody reads any more, as behind `head`, end quietly."""
+    try:
+        print(line, flush=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        rclpy.try_shutdown()
 
 
 def message_class(kind: str) -> Any:
