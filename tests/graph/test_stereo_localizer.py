@@ -113,7 +113,7 @@ def test_a_pose_that_is_told_where_nothing_fits_is_refused(
     start: Any, peer: Any, tmp_path: Path
 ) -> None:
     path = save_voxel_map(tmp_path / "room.npz", replace(small_room(), frame="lab"))
-    use = (f"map_file:={path}", "map_frame:=lab", "use_odom:=false")
+    use = (f"map_file:={path}", "map_frame:=lab", "publish_tf:=true")
     node = start(*NODE, "--ros-args", *(word for p in use for word in ("-p", p)))
     node.wait_for("ready", START_S)
     heard, robot = Heard(peer, "stereo_pose", wait_s=0.2, most=601), StereoRobot(peer, node)

@@ -63,7 +63,7 @@ class FitNear:
         self._usual, self._since_around_s = cost, math.inf
 
     def fit(
-        self, views: Sequence[StereoView | None], expected: Sequence[StereoHypothesis], dt: float
+        self, views: Sequence[StereoView | None], expected: Sequence[StereoHypothesis]
     ) -> NearFits:
         """Return where the views fit best near poses, the likeliest first, almost by themselves."""
         c = self.config
@@ -73,14 +73,29 @@ class FitNear:
         coarse, fine = (targets_of(views, self._cameras, size, c) for size in (COARSE, FINE))
         near = refine(self._scene, coarse, poses, c, _ROUGH_STEPS, c.fit_color, _LOOSE, prior)
         fits = refine(self._scene, fine, near.poses, c, _STEPS, c.fit_color, 1.0, prior)
-        cost = float(judge(self._scene, fine, fits.poses[:1], c)[0])
+        return NearFits(fine, fits, c.evidence)
+
+    def doubted(self, near: NearFits, cost: float, dt: float) -> NearFits | None:
+        """Return fits to be taken instead, where these cost much more than usual; else None.
+
+        Args:
+            near: Fits.
+            cost: Mean cost of a pixel at the likeliest pose, as `judge` has it.
+            dt: Time since the views before, s.
+        """
+        c, most = self.config, _WORSE * self._usual + _WORSE_BY
         self._since_around_s += dt
-        most = _WORSE * self._usual + _WORSE_BY
-        if cost > most and self._since_around_s >= c.locate_period_s:
-            fits, cost = self._looked_around(fine, fits)
+        if cost <= most:
+            return None
+        fits = near.fits
+        if self._since_around_s >= c.locate_period_s:
+            fits, cost = self._looked_around(near.fine, fits)
+        return NearFits(near.fine, fits, c.evidence * min(1.0, most / max(cost, 1e-9)) ** 2)
+
+    def note(self, cost: float, dt: float) -> None:
+        """Take a cost into what is usual: a lower one at once, a higher one in time."""
         worse = cost - self._usual
         self._usual += worse if worse < 0.0 else worse * -math.expm1(-dt / _USUAL_S)
-        return NearFits(fine, fits, c.evidence * min(1.0, most / max(cost, 1e-9)) ** 2)
 
     def _looked_around(self, fine: list[Target], fits: Fits) -> tuple[Fits, float]:
         """Return the fits, that of the likeliest pose begun anew if that is better; its cost."""

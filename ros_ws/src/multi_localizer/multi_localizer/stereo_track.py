@@ -111,9 +111,11 @@ class StereoTracker:
         dt: float,
     ) -> StereoPose:  # fmt: skip
         new = self._new.share(carried)
-        near = self._near.fit(views, moved, dt)
-        after = self._fused(moved, near, new, dt)
-        pose = self._weighed(near.fine, moved, after, new)
+        near = self._near.fit(views, moved)
+        after, pose = self._put_together(moved, near, new, dt)
+        doubted = self._near.doubted(near, pose.hypotheses[0].score, dt)
+        if doubted is not None:
+            after, pose = self._put_together(moved, doubted, new, dt)
         if pose.state is StereoState.LOST:
             self._step = SE2.identity(), 0.0
             self._new.pass_by(carried)
@@ -122,6 +124,7 @@ class StereoTracker:
         self._step = step, dt
         self._new.look(new, step)
         self._hypotheses, self._strange_s = pose.hypotheses, 0.0
+        self._near.note(pose.hypotheses[0].score, dt)
         self._slip = self._slip + _isotropic(after[0].gap)
         slip_m = math.sqrt(self._slip[0, 0])
         if pose.state is StereoState.KNOWN and slip_m > _SLIP_M:
@@ -163,9 +166,9 @@ class StereoTracker:
         self._near.begin(found.hypotheses[0].score)
         return found
 
-    def _fused(
+    def _put_together(
         self, moved: Sequence[StereoHypothesis], near: NearFits, new: float, dt: float
-    ) -> list[Fused]:
+    ) -> tuple[list[Fused], StereoPose]:
         after = []
         for hypothesis, pose, hessian in zip(
             moved, near.fits.poses, near.evidence * near.fits.hessians, strict=True
@@ -174,7 +177,7 @@ class StereoTracker:
             off = difference(SE2(*pose.tolist()), before.pose)
             pull = (hessian + np.linalg.inv(before.cov + SLACK)) @ off
             after.append(fused(before, pull, hessian, new, dt, self._config))
-        return after
+        return after, self._weighed(near.fine, moved, after, new)
 
     def _weighed(
         self, fine: Sequence[Target], moved: Sequence[StereoHypothesis], after: Sequence[Fused],
