@@ -22,7 +22,8 @@ class StereoMatcher:
 
     Args:
         config: Method and tuning.
-        num_threads: Threads that share the rows; the result does not depend on it.
+        num_threads: Threads that share the rows, for ours those of the costs alone; the result does
+            not depend on it.
     """
 
     def __init__(self, config: StereoMatcherConfig | None = None, num_threads: int = 1) -> None:
