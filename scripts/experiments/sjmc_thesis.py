@@ -14,6 +14,7 @@ import argparse
 from typing import Any
 
 from experiments.parallel_tasks import run_tasks
+from experiments.sjmc_thesis_bound import bound_rows
 from experiments.sjmc_thesis_drives import (
     CROSSING,
     HALL,
@@ -145,6 +146,7 @@ def fill(values: dict[str, Any], done: dict[Task, Outcome]) -> None:
     values["fig5_2"] = response_rows(done, _FIRST_DANGER)
     values["fig5_3"] = danger_rows(done, CHOSEN)
     values["fig5_5"] = straight_rows(done)
+    values["fig5_5_bound"] = bound_rows(sorted({t.distance for t in done if t.kind == CROSSING}))
     values["table2_2"] = hall_rows(done)
     values["stable"] = {
         **stable_rows(done, STANDING, "sjmc"),

@@ -15,6 +15,10 @@ NAMES = {
     "sjmc": "SJMC, ours", "sjmc_published": "SJMC, published", "vfh_plus": "VFH+", "vfh": "VFH",
     "vff": "VFF", "wavefront": "Wavefront",
 }  # fmt: skip
+_BOUND = (
+    "The most room that a robot with these limits can leave without turning, told that the person "
+    "walks and backing as hard as it can: from rest, and creeping with the wait for the next scan."
+)
 _COLORS = {"sjmc": "tab:green", "sjmc_published": "tab:orange", "vfh_plus": "tab:blue"}
 _FOUND = {
     "5.2": "Thesis: VFH+ 6.7 s; times hardly differ up to C = 2.5 and rise from 2.7 on; C = 2.7, "
@@ -35,6 +39,7 @@ def sections(out_dir: Path, values: dict[str, Any], done: Mapping[Task, Outcome]
         path = _draw_straight(out_dir / "fig5_5.png", values["fig5_5"])
         text = "Share of runs that kept straight; crosses: runs with a contact."
         blocks: list[Any] = [_FOUND["5.5"], _table(values["fig5_5"]), Picture(path, text)]
+        blocks += [_BOUND, _table(values["fig5_5_bound"])]
         blocks.append(_draw_tracks(out_dir / "crossing.png", done, CROSSING, 2.1))
         found.append(Section("Fig. 5.5: straight run past who crosses", blocks))
     if any(row["runs"] for row in values["stable"]["methods"]["sjmc"].values()):
