@@ -31,6 +31,9 @@ MAX_PLACES = 40
 SEARCH_SHARE = 0.7
 """Places where a look fits by this share of the best are fitted closely."""
 MIN_QUALITY = 0.05
+STEP_ASIDE_M, SAME_M, SHARE_ASIDE = 0.3, 0.08, 0.9
+"""A place a step aside, further than `SAME_M`, must not fit by this share as well."""
+ASIDE = "fits about as well a little aside: drive on"
 BETTER = 0.02
 ENOUGH = 0.35
 """A place that fits all looks together by less than this share of the best is out."""
@@ -123,6 +126,9 @@ class Relocalizer:
             return NotFound(look.number, "the scan does not fit where the robot is said to be")
         best = believable[0]
         reason = self._objection(look, best, len(believable) - 1)
+        if not reason:
+            best, is_clear = self._settled(best)
+            reason = self._objection(look, best, 0) if is_clear else ASIDE
         if reason:
             return NotFound(look.number, reason)
         seen = round_place(self._search.surfaces, best.pose.x, best.pose.y, SURROUNDINGS_M)
@@ -169,6 +175,18 @@ class Relocalizer:
             if look is newest:
                 refined = fits[0].match.T_map_base
         return _Place(refined, tuple(fits))
+
+    def _settled(self, place: _Place) -> tuple[_Place, bool]:
+        """Return the best of the places a step round this one, and whether no other is near it."""
+        steps = (0.0, STEP_ASIDE_M, -STEP_ASIDE_M)
+        places = [self._place(place.pose @ SE2(x, y, 0.0)) for x in steps for y in steps]
+        best = max(places, key=lambda other: other.log_quality)
+        is_clear = all(
+            other.log_quality < best.log_quality + np.log(SHARE_ASIDE)
+            for other in places
+            if best.pose.between(other.pose).distance > SAME_M
+        )
+        return best, is_clear
 
     def _contradiction(self, frame: KeyFrame, pose: SE2) -> float:
         """Return the share of the map's walls that a scan sees through."""
