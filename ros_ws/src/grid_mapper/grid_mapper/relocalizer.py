@@ -10,7 +10,6 @@ are in every direction. Until then the robot has to drive on: like rooms differ 
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,14 +22,13 @@ from grid_mapper.loop_verification import seen_through
 from grid_mapper.map_surfaces import round_place
 from grid_mapper.motion import odometry_motion, rotated
 from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound
-from grid_mapper.scan_matcher import MatchResult, ScanMatcher
+from grid_mapper.relocation_places import MAX_PLACES, Place, PlaceFit, distinct
+from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
 
 MAX_LOOKS = 6
-MAX_PLACES = 40
 SEARCH_SHARE = 0.7
 """Places where a look fits by this share of the best are fitted closely."""
-MIN_QUALITY = 0.05
 STEP_ASIDE_M, SAME_M, SHARE_ASIDE = 0.3, 0.08, 0.9
 """A place a step aside, further than `SAME_M`, must not fit by this share as well."""
 ASIDE = "fits about as well a little aside: drive on"
@@ -39,31 +37,6 @@ ENOUGH = 0.35
 """A place that fits all looks together by less than this share of the best is out."""
 START_COV = np.diag([0.1, 0.1, 0.05]) ** 2
 SURROUNDINGS_M = 15.0
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """How one look fits at a place: its pose there, overlap times agreement, and so on."""
-
-    match: MatchResult
-    contradiction: float
-
-    @property
-    def quality(self) -> float:
-        return self.match.overlap * self.match.agreement * (1.0 - self.contradiction)
-
-
-@dataclass(frozen=True)
-class _Place:
-    """Where the robot may be: its pose at the newest look, and the fits of all looks."""
-
-    pose: SE2
-    fits: tuple[_Fit, ...]
-
-    @property
-    def log_quality(self) -> float:
-        """Of all looks together: each counts by itself, so one that does not fit is enough."""
-        return float(np.sum(np.log([max(fit.quality, MIN_QUALITY) for fit in self.fits])))
 
 
 class Relocalizer:
@@ -106,7 +79,7 @@ class Relocalizer:
 
     def _forget(self) -> None:
         self._looks: deque[tuple[Look, KeyFrame]] = deque(maxlen=MAX_LOOKS)
-        self._places: list[_Place] = []
+        self._places: list[Place] = []
 
     def _look(self, look: Look) -> Found | NotFound:
         if self._search is None:
@@ -120,7 +93,7 @@ class Relocalizer:
         places = [self._seen_again(place) for place in self._places]
         places += [self._place(pose) for pose in self._starts(points, look)]
         share = max(self._config.relocation.rival_share ** len(self._looks), ENOUGH)
-        self._places = _distinct(places, share)
+        self._places = distinct(places, share)
         believable = [p for p in self._places if look.prior is None or look.prior.has(p.pose)]
         if not believable:
             return NotFound(look.number, "the scan does not fit where the robot is said to be")
@@ -139,7 +112,7 @@ class Relocalizer:
         if not self._looks:
             return
         moved = self._looks[-1][0].T_odom_base.between(look.T_odom_base)
-        self._places = [_Place(place.pose @ moved, place.fits) for place in self._places]
+        self._places = [Place(place.pose @ moved, place.fits) for place in self._places]
 
     def _starts(self, points: SurfacePoints, look: Look) -> list[SE2]:
         """Return where this look fits and those before did not."""
@@ -156,17 +129,17 @@ class Relocalizer:
                 known.append(peak.pose)
         return known[num_known:]
 
-    def _seen_again(self, place: _Place) -> _Place:
+    def _seen_again(self, place: Place) -> Place:
         """Return a place with the newest look's fit there."""
         _, frame = self._looks[-1]
         fit = self._fit(frame, place.pose)
-        return _Place(fit.match.T_map_base, (fit, *place.fits)[: len(self._looks)])
+        return Place(fit.match.T_map_base, (fit, *place.fits)[: len(self._looks)])
 
-    def _fit(self, frame: KeyFrame, pose: SE2) -> _Fit:
+    def _fit(self, frame: KeyFrame, pose: SE2) -> PlaceFit:
         match = self._matcher.match(frame.points, pose, START_COV)
-        return _Fit(match, self._contradiction(frame, match.T_map_base))
+        return PlaceFit(match, self._contradiction(frame, match.T_map_base))
 
-    def _place(self, pose: SE2) -> _Place:
+    def _place(self, pose: SE2) -> Place:
         """Return how all looks of late fit if the newest was taken about here."""
         newest, fits = self._looks[-1][0], []
         refined = pose
@@ -174,9 +147,9 @@ class Relocalizer:
             fits.append(self._fit(frame, refined @ newest.T_odom_base.between(look.T_odom_base)))
             if look is newest:
                 refined = fits[0].match.T_map_base
-        return _Place(refined, tuple(fits))
+        return Place(refined, tuple(fits))
 
-    def _settled(self, place: _Place) -> tuple[_Place, bool]:
+    def _settled(self, place: Place) -> tuple[Place, bool]:
         """Return the best of the places a step round this one, and whether no other is near it."""
         steps = (0.0, STEP_ASIDE_M, -STEP_ASIDE_M)
         places = [self._place(place.pose @ SE2(x, y, 0.0)) for x in steps for y in steps]
@@ -194,7 +167,7 @@ class Relocalizer:
         near = round_place(self._search.surfaces, pose.x, pose.y, SURROUNDINGS_M)
         return seen_through(frame, near.moved(pose.inverse()))
 
-    def _objection(self, look: Look, best: _Place, num_rivals: int) -> str:
+    def _objection(self, look: Look, best: Place, num_rivals: int) -> str:
         """Return why the best place is not believed; "" if it is."""
         config = self._config.relocation
         matches = [fit.match for fit in best.fits]
@@ -220,7 +193,7 @@ class Relocalizer:
             return f"fits at one place; a second look {config.way_m:g} m on has to say so too"
         return ""
 
-    def _disagreement(self, place: _Place) -> float:
+    def _disagreement(self, place: Place) -> float:
         """Return how far the two newest looks are from each other, less what odometry errs, m."""
         if len(self._looks) < 2:
             return 0.0
@@ -236,7 +209,7 @@ class Relocalizer:
         moved = [newest.between(look.T_odom_base) for look, _ in self._looks]
         return max(m.distance + abs(m.yaw) for m in moved)
 
-    def _cov(self, place: _Place) -> np.ndarray:
+    def _cov(self, place: Place) -> np.ndarray:
         """Return the covariance of a place: what its newest look's match says, and odometry."""
         information = np.linalg.inv(np.diag([1.0, 1.0, 0.5]))
         newest = self._looks[-1][0]
@@ -247,14 +220,3 @@ class Relocalizer:
             own = fit.match.information + 1e-3 * np.eye(3)
             information += np.linalg.inv(np.linalg.inv(own) + drift)
         return np.asarray(np.linalg.inv(information))
-
-
-def _distinct(places: list[_Place], share: float) -> list[_Place]:
-    """Return places, the best first, none near a better one or far worse than the best."""
-    kept: list[_Place] = []
-    for place in sorted(places, key=lambda place: -place.log_quality):
-        if kept and place.log_quality < kept[0].log_quality + np.log(share):
-            break
-        if all(not is_same_peak(place.pose, other.pose) for other in kept):
-            kept.append(place)
-    return kept[:MAX_PLACES]
