@@ -9,7 +9,8 @@ silent:
 - with eq. 4.5 the distance to a thing decays to L_DANGER and never gets there. Waiting ends when
   the rule leaves no more than `published_end_m_s`: the thing is judged not to yield, and its
   distance at that time stands for L_DANGER until the course to the target is open again;
-- no direction is open: it turns to the one open farthest, at the speed that eq. 4.5 allows there.
+- no direction is open: it turns to the one open farthest, at the speed that eq. 4.5 allows there;
+- where no beam looked it does not drive; what is too near to be measured is in the way.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ class SjmcPublished:
     def decide(
         self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
     ) -> Decision:
-        """Return the command for now (Fig. 3.3: end, course, avoidance)."""
+        """Return the command for now (Fig. 3.3: course, avoidance; the end comes first here)."""
         del state, has_debug
         if goal.distance <= self._cycle.goal_tolerance:
             return Decision(STILL, REACHED)
@@ -76,20 +77,21 @@ class SjmcPublished:
         reach = float(np.hypot(*goal.point)) + self._front
         bearings = courses(goal.bearing, _STEP, _WIDEST)
         free = self._distances(bearings, ends.points, sensor, reach)
-        free[ends.unseen(bearings, self._robot.radius_m, _LOOKS * self._robot.radius_m)] = 0.0
+        looked = self._robot.radius_m, _LOOKS * self._robot.radius_m
+        free[ends.unseen(bearings, *looked)] = 0.0
         self._judge(float(free[0]))
         chosen = nearest_open(free, self._danger)
         course = float(bearings[chosen if chosen >= 0 else int(np.argmax(free))])
         way = np.array([0.0 if self._unicycle is not None else course])  # as the robot faces
-        distance = float(self._distances(way, ends.points, sensor, reach)[0])
-        return self._decision(course, distance, chosen, goal)
+        is_blind = bool(ends.unseen(way, *looked)[0])
+        distance = 0.0 if is_blind else float(self._distances(way, ends.points, sensor, reach)[0])
+        return self._decision(course, distance, chosen, goal, is_blind=is_blind)
 
     def _distances(
         self, bearings: np.ndarray, points: np.ndarray, sensor: np.ndarray, reach: float
     ) -> np.ndarray:
         """Return how far from the sensor the nearest thing in each course's way is, (K,), m."""
-        free = free_ways(bearings, points, np.zeros(len(points)), self._front, self._half)
-        from_base = free + self._front
+        from_base = free_ways(bearings, points, np.zeros(len(points)), 0.0, self._half)
         units = np.column_stack((np.cos(bearings), np.sin(bearings)))
         return np.where(from_base > reach, np.inf, from_base - units @ sensor)
 
@@ -102,13 +104,17 @@ class SjmcPublished:
         if bound <= config.published_end_m_s:
             self._danger = max(self._danger, to_target + _JUDGED_AIR)
 
-    def _decision(self, course: float, distance: float, chosen: int, goal: Goal) -> Decision:
+    def _decision(
+        self, course: float, distance: float, chosen: int, goal: Goal, *, is_blind: bool
+    ) -> Decision:
         config, robot = self._config, self._robot
         bound = simple_bound(distance, config.published_danger_m, config.published_response_s)
         delay = robot.idle_time_s + self._cycle.period
         stop = stopping_speed(goal.distance, robot.accel_m_s2, delay)
-        speed = min(bound, robot.speed_m_s, stop)
-        reason = "" if chosen >= 0 else "no course without an obstacle in the Danger Zone"
+        speed = 0.0 if is_blind else min(bound, robot.speed_m_s, stop)
+        reason = "the way ahead is not seen" if is_blind else ""
+        if chosen < 0:
+            reason = "no course without an obstacle in the Danger Zone"
         is_straight = abs(math.remainder(course - goal.bearing, 2.0 * math.pi)) < _ON_COURSE
         status = BLOCKED if chosen < 0 else DRIVING if is_straight else TURNING
         if self._unicycle is not None:
