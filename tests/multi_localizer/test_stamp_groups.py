@@ -86,3 +86,27 @@ def test_what_is_always_late_does_not_begin_a_new_order() -> None:
         left += groups.add("slow", 100 * (k - 1), k, 100 * k + WAIT)
     assert [stamp for stamp, _ in left] == [100 * k for k in range(1, 50)]
     assert all(set(group) == {"a"} for _, group in left)
+
+
+def test_cameras_not_triggered_together_do_not_wait_for_each_other_for_long() -> None:
+    groups, waited = StampGroups(WAIT), []
+    for k in range(10):
+        for key, skew in (("front", 0), ("rear", 13)):
+            stamp = 1000 + 100 * k + skew
+            left = groups.add(key, stamp, k, stamp)
+            waited.append(not left or left[-1][0] != stamp)
+    assert any(waited[:8]) and not any(waited[10:])
+
+
+def test_what_comes_together_again_is_waited_for_again() -> None:
+    groups = StampGroups(WAIT)
+    for k in range(10):
+        for key, skew in (("front", 0), ("rear", 13)):
+            groups.add(key, 1000 + 100 * k + skew, k, 1000 + 100 * k + skew)
+    assert groups.add("front", 3000, 1, 3000) == [(3000, {"front": 1})]
+    assert groups.add("rear", 3000, 1, 3001) == []
+    assert (groups.num_late, groups.num_parted) == (1, 1)
+    assert groups.add("rear", 2990, 1, 3002) == []
+    assert (groups.num_late, groups.num_parted) == (2, 1)
+    assert groups.add("front", 3100, 2, 3100) == []
+    assert groups.add("rear", 3100, 2, 3101) == [(3100, {"front": 2, "rear": 2})]

@@ -71,7 +71,7 @@ class StereoReport:
     def note_single(self, parts: Iterable[str]) -> None:
         """Note a moment of which no pair is whole, and what there is of it."""
         if self._singles == 0:
-            self._alone, self._late_before = set(), self._groups.num_late
+            self._alone, self._late_before = set(), self._groups.num_parted
         self._singles += 1
         self._alone.update(parts)
 
@@ -88,7 +88,7 @@ class StereoReport:
         """Why no pair is whole: one side is not there, is late, or is of another camera run."""
         if not any(part.endswith(f"/{LEFT}") for part in self._alone):
             return f"no left images come beside the disparities of {', '.join(self._watchdogs)}"
-        if self._groups.num_late > self._late_before:
+        if self._groups.num_parted > self._late_before:
             return "the machine is too slow: disparities come too late for their left images"
         return "disparities and left images have different stamps"
 
