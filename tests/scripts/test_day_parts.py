@@ -18,8 +18,10 @@ from _day_latency import Latencies, StampClock, share_answered
 from _day_load import LoadMeter, cpu_seconds, resident_mb
 from _day_nodes import changed, node_names, write_settings
 from _day_pictures import nearest_person
+from _day_report import last_lines
 from _day_robot import OURS, USUAL, pilot_of
 from _demo_glass import glass_recall
+from _field_run import field_lines
 from experiments.goal_record import GoalRecord
 from floornav_common.config_files import load_config
 from floornav_common.grid import OccupancyMap
@@ -27,7 +29,7 @@ from floornav_common.se2 import SE2
 from sim_bridge.glass import Glass
 from sim_bridge.robot_model import load_robot
 from sim_bridge.solids import Solid
-from sim_bridge.world import load_world
+from sim_bridge.world import load_world, world_names
 from sjmc_planner.config import LocalPlannerConfig
 
 S = 1_000_000_000
@@ -200,3 +202,40 @@ def test_both_pilots_know_the_same_robot_and_only_ours_hears_glass() -> None:
     assert ours.wavefront == usual.wavefront and ours.mapper == usual.mapper
     assert ours.planner.robot.speed_m_s == usual.planner.robot.speed_m_s
     assert changed(usual.planner)["method"] == USUAL
+
+
+def test_every_short_name_is_of_a_world() -> None:
+    import demo
+
+    assert set(demo._SHORT.values()) <= set(world_names()) and "flat_day" in world_names()
+
+
+def test_the_last_lines_say_what_both_robots_did() -> None:
+    run = {
+        "reached": 3, "goals": 4, "time_s": 63.2, "glass_touched": 0, "collisions": 1,
+        "stops_over_5s": 2, "glass_recall": 0.925,
+    }  # fmt: skip
+    usual = {**run, "glass_recall": None, "reached": 1}
+    poses = {"grid_mapper": {"poses": 9, "rms": 0.0123}, "stereo_localizer": {"poses": 0}}
+    shares = {"grid_mapper": 1.0, "stereo_localizer": 0.5, "floor_detector": None}
+    values = {
+        **run,
+        "baseline": usual,
+        "pose_error_m": poses,
+        "rtf": 0.987,
+        "inputs_handled": shares,
+    }
+    first, second, third, last = last_lines(values)
+    assert first.startswith("floornav:     3 of 4 goals in 63 s, glass touched 0, collisions 1")
+    assert first.endswith("glass in the map 92%") and second.endswith("glass in the map –")
+    assert third == "pose errors (rms): grid_mapper 0.012 m"
+    assert last.startswith("0.99 times real time") and "50.0% of its inputs (stereo_loc" in last
+    assert len(last_lines({**values, "baseline": None})) == 3
+
+
+def test_the_field_says_each_robots_errors_or_that_it_has_none() -> None:
+    errors = {"alone": {"poses": 5, "rms_m": 0.03}, "team": {"poses": 0, "rms_m": None}}
+    nothing = {"alone": {"poses": 0, "rms_m": None}}
+    lines = field_lines({"pose_error_m": {"r1": errors, "r2": nothing}})
+    assert lines == ["r1: pose error (rms) alone 0.030 m", "r2: pose error (rms) unknown: no pose"]
+    assert field_lines({"pose_error_m": None}) == []
