@@ -102,6 +102,7 @@ def drive_values(steps: list[Step]) -> dict[str, Any]:
         "length_m": round((len(steps) - 1) * SPEED * PERIOD_S, 2),
         "steps": len(steps),
         "lost_steps": sum(s is StereoState.LOST for s in states),
+        "bridged_steps": sum(s is StereoState.BRIDGED for s in states),
         "ambiguous_steps": sum(s is StereoState.AMBIGUOUS for s in states),
         "far_off_steps": int((errors > 100.0 * LOST_M).sum()),
         "within_8cm": float(100.0 * np.mean(errors <= 8.0)),

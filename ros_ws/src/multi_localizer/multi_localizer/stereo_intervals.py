@@ -92,7 +92,7 @@ def match_interval(first, end, costs, stretch, sums, out):  # type: ignore[no-un
     for x in range(first + 1, end):
         _extend(costs[x], sums[x - 1], stretch, sums[x])
     d = int(np.argmin(sums[end - 1]))
-    score = 0
+    score = np.int64(0)
     for k in range(end - first - 1):
         x = end - 1 - k
         out[x] = d
