@@ -10,7 +10,7 @@ the runs that reached both goals.
 
 Rows: `sjmc` and `vfh_plus` mind the glass of the map and echoes from close by, as the node does;
 `path only`: they mind the scan alone, and only the way knows of glass; `laser only`: no sonars.
-Values were chosen on other seeds than 0.
+Values were chosen on seed 1000 and on the second place of seed 0.
 """
 
 from __future__ import annotations
