@@ -63,7 +63,9 @@ def write_settings(folder: Path, world: World, model: RobotModel) -> Path:
         save_camera(model.config.omni.camera(), camera)
         seen = {"camera_model": str(camera), "image_timeout_s": 2.0}
         template = {"range_min_m": _RANGE_MIN_M, "horizon_m": _HORIZON_M}
-        told["floor_detector"] = {**seen, "template": template, "mask": {"mark_m": _MARK_M}}
+        # The simulator starts last, and it says where the camera is.
+        known = {"publish_tf": False, "mask": {"mark_m": _MARK_M}}
+        told["floor_detector"] = {**seen, **known, "template": template}
         told["marker_detector"] = seen
     if model.config.stereo is not None:
         place = {
