@@ -141,6 +141,7 @@ def test_scans_survive_the_round_trip() -> None:
     [
         ({"ranges": []}, "must have beams"),
         ({"angle_increment": 0.0}, "angle_increment must not be 0"),
+        ({"angle_increment": 0.0, "ranges": [1.0]}, "angle_increment must not be 0"),
         ({"range_max": float("nan")}, "range_max must be a number"),
         ({"range_min": float("inf")}, "range_min must be finite, got inf"),
         ({"angle_min": float("-inf")}, "angle_min must be finite, got -inf"),
@@ -161,7 +162,8 @@ def test_scans_of_unbounded_range_or_a_little_over_once_round_are_taken() -> Non
     msg = LaserScan(angle_increment=0.0175, range_max=float("inf"), ranges=[1.0] * 380)
     scan = messages.scan_from_msg(msg)
     assert len(scan.ranges) == 380 and scan.range_max == float("inf")
-    assert len(messages.scan_from_msg(LaserScan(range_max=9.0, ranges=[1.0])).ranges) == 1
+    single = LaserScan(angle_increment=0.1, range_max=9.0, ranges=[1.0])
+    assert len(messages.scan_from_msg(single).ranges) == 1
 
 
 def test_grids_survive_the_round_trip_without_a_copy_back() -> None:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 from nav2_build import CannotBuildError, nav2_environment  # noqa: E402
 from node_process import NodeProcess  # noqa: E402
 from test_local_planner import NODE, Robot, speed_of  # noqa: E402
+
+from sjmc_planner.planning import DRIVING, Decision, Velocity  # noqa: E402
 
 CLIENT = Path(__file__).with_name("follow_path_client.py")
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6  # of action_msgs/GoalStatus
@@ -104,6 +107,26 @@ def test_a_canceled_path_stops_the_robot(launch):
     run.client.tell("cancel")
     assert ends(run)[:2] == (CANCELED, 0)
     run.robot.until(run.robot.is_in("idle"))
+
+
+def test_the_command_of_the_period_in_which_the_action_ends_is_zero():
+    """The client hears of the end in that period: nothing that moves may go out after it."""
+    from sjmc_planner.nodes.local_planner_node import LocalPlannerNode
+
+    sent: list[str] = []
+    goals = MagicMock(frame="odom")
+    goals.note.side_effect = lambda *_: setattr(goals, "target", None)
+    commands = MagicMock(last=Velocity(0.5, 0.0, 0.0))
+    commands.drive.side_effect = lambda _: sent.append("drives")
+    commands.rest.side_effect = lambda: sent.append("rests")
+    method = MagicMock()
+    method.decide.return_value = Decision(Velocity(0.5, 0.0, 0.0), DRIVING)
+    node = MagicMock(_goals=goals, _commands=commands, _method=method)
+    node._tell = lambda *args: LocalPlannerNode._tell(node, *args)
+    node._inputs.velocity.return_value = Velocity(0.5, 0.0, 0.0)
+    node._since_last.return_value = 0.05
+    LocalPlannerNode._drive(node)
+    assert sent == ["rests"]
 
 
 def test_a_new_path_takes_the_place_of_the_old_one_without_a_stop(launch):

@@ -55,7 +55,7 @@ class Robot:
         self.child = "base_link"
         self.speed = 0.0
         self.range_min = 0.1
-        self.age_ns = {"scan": 0, "odom": 0}
+        self.age_ns = {"scan": 0, "odom": 0, "tf": 0}
         peer.wait_to_hear("cmd_vel", "planner/state")
         node.wait_for("/cmd_vel is sent to 1")
 
@@ -68,7 +68,7 @@ class Robot:
             self.stamp_ns = stamp_ns = stamp_ns + STEP_NS
             self.clock.publish(Clock(clock=time_of(stamp_ns)))
         if "tf" not in self.silent:
-            self._tf.publish(tf_of("odom", "base_link", stamp_ns, 0.0))
+            self._tf.publish(tf_of("odom", "base_link", stamp_ns - self.age_ns["tf"], 0.0))
         if "odom" not in self.silent:
             msg = Odometry(child_frame_id=self.child)
             odom_ns = stamp_ns - self.age_ns["odom"]
@@ -182,6 +182,14 @@ def test_an_old_stamp_stops_it_however_often_the_message_comes(launch, what):
     run.robot.until_stopped(f"/{what}: its stamp is 20")
     run.robot.age_ns[what] = 0
     run.robot.until(run.robot.is_in("driving"))
+
+
+@pytest.mark.parametrize("what", ["scan", "odom", "tf"])
+def test_a_stamp_from_the_future_stops_it_for_it_would_never_be_old(launch, what):
+    run = launch()
+    run.robot.age_ns[what] = -30_000_000_000
+    run.robot.until_stopped("s in the future: two clocks?")
+    assert run.robot.state()[1].startswith("pose: 'odom' to" if what == "tf" else f"/{what}:")
 
 
 def test_stamps_of_another_clock_are_called_that(launch):

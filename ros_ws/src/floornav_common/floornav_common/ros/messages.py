@@ -79,8 +79,8 @@ def _check_scan(msg: Any, num_beams: int) -> None:
         raise ValueError("scan range_max must be a number, got NaN")
     if msg.range_min > msg.range_max:
         raise ValueError(f"scan range_min {msg.range_min} must be <= range_max {msg.range_max}")
-    if num_beams > 1 and not msg.angle_increment:
-        raise ValueError(f"scan angle_increment must not be 0 for {num_beams} beams")
+    if not msg.angle_increment:
+        raise ValueError("scan angle_increment must not be 0: it is how wide a beam counts")
     turn = abs(float(msg.angle_increment)) * (num_beams - 1)
     if turn > _MAX_TURN:
         raise ValueError(

@@ -99,7 +99,8 @@ class LocalPlannerNode(FloornavNode):
         if decision.debug is not None:
             self._report.draw(decision.debug)
         self._tell(decision.state, decision.reason, goal.distance, moved, velocity.speed)
-        if decision.state == REACHED and self._commands.last.is_still:
+        is_over = self._goals.target is None  # who sent the goal has just been told its end
+        if is_over or (decision.state == REACHED and self._commands.last.is_still):
             self._commands.rest()
         else:
             self._commands.drive(decision.command)

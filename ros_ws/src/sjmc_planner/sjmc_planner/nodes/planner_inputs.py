@@ -64,7 +64,7 @@ class PlannerInputs:
         self._require(self._odometry, self._bad_odometry)
         assert self._twist is not None
         velocity, frame, stamp_ns = self._twist
-        self._check_age(self._odometry, stamp_ns, self._config.odom_timeout_s)
+        self._age(f"{self._odometry.topic}:", stamp_ns, self._config.odom_timeout_s)
         try:
             T_base_child = self._node.transforms.buffer.lookup(self._base, frame or self._base)
         except (TransformUnavailable, ValueError) as error:
@@ -86,7 +86,7 @@ class PlannerInputs:
             seen = mounted(scan, T_base_sensor)
         except (TransformUnavailable, ValueError) as error:
             raise InputMissing(f"{self._scans.topic}: {error}") from error
-        age = self._check_age(self._scans, stamp_ns, self._config.scan_timeout_s)
+        age = self._age(f"{self._scans.topic}:", stamp_ns, self._config.scan_timeout_s)
         seen = Obstacles(seen.scan, _back(velocity, age) @ seen.T_base_sensor)
         return replace(seen, known=self.known.beside(seen, moved, dt, self.pose, velocity))
 
@@ -94,8 +94,8 @@ class PlannerInputs:
         """Return the robot's pose in a frame, carried forward from the newest known.
 
         Raises:
-            InputMissing: If it is not known or older than `pose_timeout_s`, or if the frame is
-                the robot's own: a goal in it would move on with the robot.
+            InputMissing: If it is not known, older than `pose_timeout_s` or as far ahead of now,
+                or if the frame is the robot's own: a goal in it would move on with the robot.
         """
         buffer, base = self._node.transforms.buffer, self._base
         try:
@@ -105,21 +105,19 @@ class PlannerInputs:
             raise InputMissing(f"pose: {error}") from error
         if not stamp_ns:
             raise InputMissing(f"goal: '{frame}' is fixed to the robot; give it in odom or map")
-        age = self._age(stamp_ns)
-        if age > self._config.pose_timeout_s:
-            raise InputMissing(f"pose: '{frame}' to '{base}' is {age:.1f} s old")
+        age = self._age(f"pose: '{frame}' to '{base}':", stamp_ns, self._config.pose_timeout_s)
         return T_frame_base @ moved_by(velocity, age)
 
-    def _check_age(self, watchdog: Watchdog, stamp_ns: int, timeout: float) -> float:
-        age = self._age(stamp_ns)
-        if age > _ANOTHER_CLOCK_S:
-            raise InputMissing(f"{watchdog.topic} is stamped by another clock: use_sim_time?")
+    def _age(self, what: str, stamp_ns: int, timeout: float) -> float:
+        """Return how old a stamp is, s; refuse one from too long ago, or as far ahead of now."""
+        age = (self._node.get_clock().now().nanoseconds - stamp_ns) * 1e-9
+        if abs(age) > _ANOTHER_CLOCK_S:
+            raise InputMissing(f"{what} stamped by another clock: use_sim_time?")
+        if age < -timeout:
+            raise InputMissing(f"{what} stamped {-age:.1f} s in the future: two clocks?")
         if age > timeout:
-            raise InputMissing(f"{watchdog.topic}: its stamp is {age:.1f} s old")
-        return age
-
-    def _age(self, stamp_ns: int) -> float:
-        return max(0.0, (self._node.get_clock().now().nanoseconds - stamp_ns) * 1e-9)
+            raise InputMissing(f"{what} its stamp is {age:.1f} s old")
+        return max(0.0, age)
 
     @staticmethod
     def _require(watchdog: Watchdog, fault: str) -> None:

@@ -109,13 +109,15 @@ class WavefrontPlannerNode(FloornavNode):
 
         Raises:
             TransformUnavailable: If it is not known.
-            ValueError: If it is known from too long ago.
+            ValueError: If it is known from too long ago, or from as far ahead.
         """
         pose = self._lookup(self._base)
         stamp_ns = self.transforms.buffer.newest_common_stamp(self._map_frame, self._base)
         age = (self.get_clock().now().nanoseconds - stamp_ns) * 1e-9
         if stamp_ns and age > self._config.pose_timeout_s:
             raise ValueError(f"pose: '{self._map_frame}' to '{self._base}' is {age:.1f} s old")
+        if stamp_ns and age < -self._config.pose_timeout_s:
+            raise ValueError(f"pose: stamped {-age:.1f} s in the future: two clocks?")
         return np.array([pose.x, pose.y])
 
     def _lookup(self, frame: str) -> SE2:
