@@ -11,6 +11,14 @@ half-plane or it moves into them; the others are theirs. Success: there within 6
 contact that it caused; there is level with the goal, as how a method stops at one is not asked
 here. Least distance: outline to torso. Intimate and personal space after Hall
 (1966): time with somebody within 0.45 and 1.2 m. A heading change is a turn by more than 15 deg.
+Beside VFH+: a run without success counts with its 60 s; "both" is of runs in which both had it.
+
+Not all are told the same of the robot: sjmc and sjmc_published its box (0.56 m wide), all others
+the disk about its base that holds the box (1.14 m wide), which is what their models take. The row
+sjmc_disk is sjmc told that disk.
+
+Recorded people are met from a start that nobody comes near in the first 2 s, with somebody on the
+way, and nobody whose recording begins within 3 m of it.
 
 No method is tuned on these seeds: other ones (`--seed`) are for that.
 """
@@ -40,6 +48,10 @@ from sim_bridge.schema import WorldError
 
 NUM_RUNS, NUM_QUICK = 75, 2
 _BASE = "vfh_plus"
+_BESIDE = {
+    "time": "time / VFH+", "runs": "of runs", "time_both": "time / VFH+, both",
+    "heading_changes": "turns / VFH+, both", "runs_both": "of runs, both",
+}  # fmt: skip
 _SHOWN = {
     "success": "success", "collisions_caused": "caused", "collisions_theirs": "theirs",
     "collisions_things": "things", "time_s": "time s", "path_ratio": "path / line",
@@ -151,14 +163,12 @@ def _sections(
     places: dict[str, str],
 ) -> list[Section]:  # fmt: skip
     sections = []
-    header = ["method", *_SHOWN.values(), "time / VFH+", "turns / VFH+"]
+    header = ["method", *_SHOWN.values(), *_BESIDE.values()]
     for scene in places:
         rows = []
         for method, own in values["scenes"][scene]["methods"].items():
             ratios = own[f"beside_{_BASE}"] or {}
-            cells = [own[key] for key in _SHOWN] + [
-                ratios.get(k) for k in ("time", "heading_changes")
-            ]
+            cells = [own[key] for key in _SHOWN] + [ratios.get(key) for key in _BESIDE]
             rows.append([method, *(_cell(value) for value in cells)])
         pictures = _pictures(args, scene, places[scene], outcomes)
         title = f"{scene.replace('_', ' ')}: {values['runs_of_each']} runs of each method"

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from experiments.crowd_scenes import ROBOT, Scene, scene_with
+from floornav_common.reporting import UserError
 from sim_bridge.people.recorded import read_obsmat
 from sim_bridge.people.schema import Recording
 
+_DRAWS = 10_000
 _APPEARS = 3.0  # nobody begins to be recorded nearer to a robot that drives straight, m
 
 
@@ -24,17 +26,22 @@ def recorded(path: Path, frames_per_s: float, seed: int) -> Scene:
         seed: Of when and where it sets out: nobody comes near its start in the first 2 s, and
             somebody would come within 1 m of a robot that drove straight on, and nobody begins to
             be recorded within 3 m of that.
+
+    Raises:
+        UserError: If no start and time drawn is like that.
     """
     rng = np.random.default_rng([seed, 5])
     rows = read_obsmat(path)
     low, high = np.percentile(rows[:, 2:], (3.0, 97.0), axis=0)
     is_along = bool(seed % 2)
     times = rows[:, 0] / frames_per_s
-    for _ in range(10_000):
+    for _ in range(_DRAWS):
         start, goal = _ends(rng, low, high, is_along)
         at = float(rng.uniform(times.min(), max(times.max() - 60.0, times.min() + 1.0)))
         if _is_fair(times - at, rows[:, 1], rows[:, 2:], start, goal):
             break
+    else:
+        raise UserError(f"{path}: no start of {_DRAWS} drawn ones lets a robot meet people fairly")
     recording = Recording(file=str(path), frames_per_s=frames_per_s, starts_s=at)
     scene = scene_with(path.parent.name or path.stem, [], tuple(start), tuple(goal))
     return Scene(replace(scene.world, recorded_people=recording), scene.goal, False)

@@ -18,7 +18,8 @@ from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.methods import METHODS, make_method
 from sjmc_planner.planning import Method
 
-ALL_METHODS = (*METHODS, *PEERS)
+SJMC_DISK = "sjmc_disk"  # told no more of the robot's outline than the others: the disk around it
+ALL_METHODS = (*METHODS, SJMC_DISK, *PEERS)
 LIMIT_S = 60.0
 LONG_STOP_S = 5.0
 NUM_PICTURED = 2  # the first runs, of which ways are kept
@@ -113,6 +114,9 @@ def _seed(task: Task) -> int:
 def _method(name: str) -> Method:
     if name in PEERS:
         return PEERS[name](LocalPlannerConfig(robot=ROBOT, goal_tolerance_m=0.2))
+    if name == SJMC_DISK:
+        disk = replace(ROBOT, front_m=0.0, rear_m=0.0, half_width_m=0.0)
+        return make_method(LocalPlannerConfig(method="sjmc", robot=disk, goal_tolerance_m=0.2))
     return make_method(LocalPlannerConfig(method=name, robot=ROBOT, goal_tolerance_m=0.2))
 
 
@@ -163,17 +167,33 @@ def _mean(values: Sequence[float]) -> float | None:
 
 
 def beside(ours: dict[int, Outcome], theirs: dict[int, Outcome]) -> dict[str, float | int | None]:
-    """Return time and heading changes over another method's, of runs that both finished.
+    """Return time and heading changes over another method's, of the same runs.
 
     Args:
         ours: Outcomes by the number of the run.
         theirs: The other method's.
+
+    Returns:
+        `runs` both made and `time` over them, where a run without success counts with the time
+        limit, so that none gains by freezing or by a contact; `runs_both` in which both had
+        success, and `time_both` and `heading_changes` over these.
     """
-    both = [n for n in ours if n in theirs and ours[n].is_reached and theirs[n].is_reached]
-    time = sum(theirs[n].time_s for n in both)
-    turns = sum(theirs[n].heading_changes for n in both)
+    shared = [n for n in ours if n in theirs]
+    both = [n for n in shared if ours[n].is_success and theirs[n].is_success]
+    pairs = [(ours[n], theirs[n]) for n in both]
     return {
-        "runs": len(both),
-        "time": sum(ours[n].time_s for n in both) / time if time else None,
-        "heading_changes": sum(ours[n].heading_changes for n in both) / turns if turns else None,
+        "runs": len(shared),
+        "runs_both": len(both),
+        "time": _ratio([(_charged(ours[n]), _charged(theirs[n])) for n in shared]),
+        "time_both": _ratio([(a.time_s, b.time_s) for a, b in pairs]),
+        "heading_changes": _ratio([(a.heading_changes, b.heading_changes) for a, b in pairs]),
     }
+
+
+def _charged(outcome: Outcome) -> float:
+    return outcome.time_s if outcome.is_success else LIMIT_S
+
+
+def _ratio(pairs: Sequence[tuple[float, float]]) -> float | None:
+    below = sum(b for _, b in pairs)
+    return sum(a for a, _ in pairs) / below if below else None

@@ -20,6 +20,7 @@ from floornav_common.reporting import UserError
 from floornav_common.se2 import SE2
 from sim_bridge.robot_model import load_robot
 from sim_bridge.simulation import check_world
+from sjmc_planner.sjmc import Sjmc
 
 GOOD = Outcome(
     is_success=True, is_reached=True, caused=0, theirs=0, things=0, time_s=20.0, path_ratio=1.1,
@@ -58,11 +59,31 @@ def test_figures_of_nothing_are_none_and_not_absent() -> None:
     assert figures([BAD])["time_s"] is None
 
 
-def test_methods_are_held_beside_each_other_on_runs_that_both_finished() -> None:
+def test_methods_are_held_beside_each_other_on_the_same_runs_and_failing_is_no_gain() -> None:
+    """14 s and 20 s of ours beside 20 s and a failure; then our failure, a contact, beside 20 s."""
     ours = {0: replace(GOOD, time_s=14.0, heading_changes=1), 1: GOOD, 2: GOOD}
     theirs = {0: GOOD, 1: BAD, 3: GOOD}
-    assert beside(ours, theirs) == {"runs": 1, "time": 0.7, "heading_changes": 0.5}
+    expected = {"runs": 2, "runs_both": 1, "time": 34.0 / 80.0, "time_both": 0.7,
+                "heading_changes": 0.5}  # fmt: skip
+    assert beside(ours, theirs) == expected
+    touched = replace(GOOD, is_success=False, caused=1, time_s=5.0)
+    assert beside({0: touched}, {0: GOOD})["time"] == 3.0
     assert beside({}, theirs)["time"] is None
+
+
+def test_one_row_is_sjmc_told_the_disk_that_the_others_are_told() -> None:
+    disk, box = crowd_runs._method("sjmc_disk"), crowd_runs._method("sjmc")
+    assert isinstance(disk, Sjmc) and isinstance(box, Sjmc)
+    assert (disk._box.half_width, box._box.half_width) == (ROBOT.radius_m, ROBOT.half_width_m)
+
+
+def test_a_recording_in_which_nobody_is_met_fairly_is_refused(tmp_path: Path) -> None:
+    """Somebody who is at the corners of a square of 100 m in turns, far from where a robot goes."""
+    rows = [f"{10 * k} 1 {100.0 * (k % 2)} 0 {100.0 * (k // 2 % 2)} 0 0 0" for k in range(40)]
+    file = tmp_path / "obsmat.txt"
+    file.write_text("\n".join(rows))
+    with pytest.raises(UserError, match="no start of"):
+        recorded(file, 25.0, 0)
 
 
 @pytest.mark.parametrize("name", list(SCENES))
