@@ -56,7 +56,7 @@ SHOWN = (
           "The laser sees the posts and the room behind, the sonars the panes and posts."),
     Shown("flat", "A furnished flat with a glass balcony door, a glazed kitchen and a showcase.",
           "Laser points on the balcony and behind the kitchen's glass."),
-    Shown("flat_day", "The demo's world: that flat with people in it, goals, and a robot with "
+    Shown("flat_day", "That flat with people in it, goals, and a robot with "
           "every sensor.", "Three of the people step aside; the one in the living room looks at a "
           "telephone.", "drive", 6.0),
     Shown("office", "An office floor with glass fronts and corridors in a loop, 25 x 18 m, for "

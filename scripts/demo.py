@@ -1,6 +1,6 @@
 """Drive robots through a simulated world, every node a process of its own, over DDS.
 
-In a world with goals (`flat_day`, taken if none is named) the whole graph of nodes that the robot's
+In a world with goals (`flat_day`) the whole graph of nodes that the robot's
 sensors ask for maps, localizes, plans and drives to them among people; the same goals are then
 driven offline as most robots do today, and the page sets the two side by side.
 
@@ -163,8 +163,8 @@ def _has_window(args: argparse.Namespace) -> bool:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    text = f"{', '.join((*_SHORT, *world_names()))}, or path of a world file (default: flat_day)"
-    parser.add_argument("world", nargs="?", default="flat_day", metavar="WORLD", help=text)
+    text = f"{', '.join((*_SHORT, *world_names()))}, or path of a world file (default: furnished_floor)"
+    parser.add_argument("world", nargs="?", default="furnished_floor", metavar="WORLD", help=text)
     window = parser.add_mutually_exclusive_group()
     window.add_argument("--headless", action="store_true", help="no window (default: no display)")
     window.add_argument("--view", action="store_true", help="show pybullet's window")

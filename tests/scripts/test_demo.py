@@ -73,7 +73,7 @@ def test_the_main_job_maps_localizes_plans_and_drives_beside_the_usual_robot(
     tmp_path: Path,
 ) -> None:
     out = tmp_path / "out"
-    code, text = _run("--duration", "4", "--film", "--out", str(out))
+    code, text = _run("flat_day", "--duration", "4", "--film", "--out", str(out))
     assert code == 0, text
     summary = json.loads((out / "summary.json").read_text())
     assert set(DAY_KEYS) <= set(summary)
