@@ -163,7 +163,8 @@ def _has_window(args: argparse.Namespace) -> bool:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    text = f"{', '.join((*_SHORT, *world_names()))}, or path of a world file (default: furnished_floor)"
+    names = ", ".join((*_SHORT, *world_names()))
+    text = f"{names}, or path of a world file (default: furnished_floor)"
     parser.add_argument("world", nargs="?", default="furnished_floor", metavar="WORLD", help=text)
     window = parser.add_mutually_exclusive_group()
     window.add_argument("--headless", action="store_true", help="no window (default: no display)")

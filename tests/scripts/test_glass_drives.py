@@ -15,7 +15,6 @@ from experiments.glass_drives_runs import ROWS, Outcome, Task, figures, run_task
 from experiments.glass_drives_worlds import Place, place_of
 from experiments.glass_paths import crossings
 from experiments.glass_truth import pane_lines
-
 from sim_bridge.glass import Glass
 from sim_bridge.solids import solids_of
 from sim_bridge.world import RobotPlacement, Wall, World
