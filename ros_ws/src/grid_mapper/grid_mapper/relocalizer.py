@@ -204,10 +204,9 @@ class Relocalizer:
         return off - self._config.motion.slip * (driven.distance + abs(driven.yaw))
 
     def _way(self) -> float:
-        """Return how far apart the looks were taken, m; a radian counts as one."""
+        """Return how far from the newest look another was taken, m."""
         newest = self._looks[-1][0].T_odom_base
-        moved = [newest.between(look.T_odom_base) for look, _ in self._looks]
-        return max(m.distance + abs(m.yaw) for m in moved)
+        return max(newest.between(look.T_odom_base).distance for look, _ in self._looks)
 
     def _cov(self, place: Place) -> np.ndarray:
         """Return the covariance of a place: what its newest look's match says, and odometry."""

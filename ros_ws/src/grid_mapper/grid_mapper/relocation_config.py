@@ -18,16 +18,16 @@ class RelocationConfig:
         0.3, "A lost robot looks again when it has turned this far.", unit="rad", gt=0.0
     )
     way_m: float = param(
-        0.5,
-        "Looks have to be this far apart before a place is believed (a radian counts as a meter); "
-        "not where somebody says about where the robot is.",
+        1.0,
+        "Looks have to be taken this far apart before a place is believed, for a turn on the spot "
+        "shows nothing new; not where somebody says about where the robot is.",
         unit="m", ge=0.0,
     )  # fmt: skip
     min_overlap: float = param(
         0.75, "A place where less of the scans is near the map is not believed.", ge=0.0, le=1.0
     )
     min_agreement: float = param(
-        0.7, "A place where what is near fits worse (mean weight) is not believed.",
+        0.75, "A place where what is near fits worse (mean weight) is not believed.",
         ge=0.0, le=1.0,
     )  # fmt: skip
     max_contradiction: float = param(
