@@ -35,6 +35,12 @@ ROBOT = RobotConfig(
 # These two are kept as published, with what was published of braking in time: nothing.
 WITHOUT_STOPPING = {"omni_static", "sjmc_published"}
 AT_START = SE2(0.0, 0.0, 0.0)
+# x, y, vx, vy of people; in the first two a robot without a course crept towards somebody.
+CORRIDORS = [
+    [(3.8, -0.61, -0.82, -0.22), (2.02, -0.66, -0.36, 0.44), (1.38, -0.2, -0.2, 0.38)],
+    [(1.57, 0.0, 0.11, 0.41), (1.06, 0.39, -0.61, -0.36), (1.42, 0.71, 0.15, 0.02)],
+    [(3.0, 0.1, -0.5, 0.0), (4.0, -0.4, -0.8, 0.1), (2.5, 0.8, 0.1, -0.3)],
+]
 NAMES, DRIVES = sorted(METHODS), ("omni", "differential")
 FEW = settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
@@ -177,6 +183,36 @@ def test_no_command_is_beyond_the_robots_limits(name, drive, scene):
         assert decision.command.y == 0.0
     else:
         assert decision.command.yaw_rate == 0.0
+
+
+@every_drive
+@pytest.mark.parametrize("people", CORRIDORS)
+def test_sjmc_is_never_faster_than_its_model_in_any_state(drive, people, monkeypatch):
+    """Three people about in a narrow corridor; the bound is that of the course driven along."""
+    method, robot, moments, asked = planner("sjmc", drive), replace(ROBOT, drive=drive), [], 0
+    of = method._moments.of
+    monkeypatch.setattr(method._moments, "of", lambda *a: moments.append(of(*a)) or moments[-1])
+    people = np.array(people)
+    walls = [(x, y, 0.15) for x in np.arange(-1.0, 6.0, 0.25) for y in (-0.9, 0.9)]
+    pose, velocity, moved = SE2.identity(), STILL, SE2.identity()
+    for k in range(70):
+        places = people[:, :2] + min(k * PERIOD, 2.0) * people[:, 2:]
+        scan = disks_scan([*walls, *((x, y, 0.2) for x, y in places)], pose)
+        point = (pose.inverse() @ np.array([[6.0, 0.0]]))[0]
+        state = RobotState(velocity, velocity, moved)
+        decision = method.decide(state, Obstacles(scan, SE2.identity()), goal_at(*point))
+        command = decision.command
+        # A differential robot's course is the target's where it does not turn to another one.
+        course = np.arctan2(command.y, command.x)
+        if drive == "differential":
+            course = np.arctan2(point[1], point[0])
+        if command.x > 0.03 and (drive == "omni" or decision.state != TURNING):
+            asked += 1
+            assert command.speed <= method._in_the_way(course, moments[-1]).bound + 1e-6
+        velocity = ramped(velocity, command, robot, PERIOD)
+        moved = moved_by(velocity, PERIOD)
+        pose = pose @ moved
+    assert asked > 5
 
 
 @every_method

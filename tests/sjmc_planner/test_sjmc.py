@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sjmc_scenes import CONFIG, PERIOD, ROBOT, goal_at, watched
 
 from sjmc_planner.methods import make_method
-from sjmc_planner.planning import DRIVING, STILL, TURNING, WAITING, Velocity
+from sjmc_planner.planning import BACKING, DRIVING, STILL, TURNING, WAITING, Velocity
 from sjmc_planner.sjmc_speed import aware_time, stable_bound
 
 FAR = goal_at(12.0, 0.0)
@@ -79,13 +79,16 @@ def test_a_mirrored_scene_has_the_mirrored_command() -> None:
 
 
 def test_it_backs_only_on_the_way_that_it_came() -> None:
-    """Somebody walks at it from ahead; only who has driven may back."""
-    walker = [(1.4, 0.5, 0.2, -0.9, -0.35)]
-    stood = watched(sjmc(), walker, FAR, num=14)
-    assert stood.command.x >= 0.0
-    never = replace(CONFIG, sjmc=replace(SJMC, backs_off_m=0.0))
-    came = watched(make_method(never), walker, FAR, velocity=Velocity(0.2, 0.0, 0.0), num=14)
-    assert came.command.x >= 0.0
+    """Somebody cuts its front corner; only who has driven may back, and the farther the faster."""
+    walker, slowly = [(0.75, 0.9, 0.2, -0.3, -0.8)], Velocity(0.2, 0.0, 0.0)
+    backs = [watched(sjmc(), walker, FAR, velocity=slowly, num=num) for num in (16, 30)]
+    assert [b.state for b in backs] == [BACKING, BACKING]
+    assert [b.command.x for b in backs] == pytest.approx([-0.15, -0.3])
+    stood = watched(sjmc(), walker, FAR, num=30)
+    never = make_method(replace(CONFIG, sjmc=replace(SJMC, backs_off_m=0.0)))
+    told = watched(never, walker, FAR, velocity=slowly, num=30)
+    assert (stood.state, told.state) == (WAITING, WAITING)
+    assert stood.command == told.command == STILL
 
 
 def test_debug_names_the_courses_and_the_one_taken() -> None:

@@ -1,4 +1,4 @@
-"""Zones, the obstacle that counts, and which course is taken."""
+"""Zones, and which course is taken."""
 
 from __future__ import annotations
 
@@ -8,18 +8,12 @@ import numpy as np
 import pytest
 
 from sjmc_planner.sjmc_course import courses, nearest_open, preferred
-from sjmc_planner.sjmc_zones import CAUTION, DANGER, SAFETY, target_obstacle, zone_of
+from sjmc_planner.sjmc_zones import CAUTION, DANGER, SAFETY, zone_of
 
 
 def test_the_borders_of_the_zones_belong_to_the_inner_one() -> None:
     zones = [zone_of(d, 1.9, 4.0) for d in (0.0, 1.9, 1.91, 4.0, 4.01)]
     assert zones == [DANGER, DANGER, CAUTION, CAUTION, SAFETY]
-
-
-def test_the_nearest_in_the_region_counts() -> None:
-    distances = np.array([0.5, 2.0, 1.5])
-    assert target_obstacle(distances, np.array([False, True, True])) == 2
-    assert target_obstacle(distances, np.zeros(3, bool)) == -1
 
 
 def test_courses_begin_at_the_target_and_spread() -> None:

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from floornav_common.se2 import SE2
 from sjmc_planner.config import RobotConfig
-from sjmc_planner.limited_motion import moved_by
-from sjmc_planner.planning import Velocity
-from sjmc_planner.sjmc_region import Box, box_of, entry_times, free_ways
+from sjmc_planner.sjmc_region import Box, box_of, free_ways
 
 BOX = Box(front=0.2, rear=0.5, half_width=0.3)
-TOL_S = 1e-6
-speeds = st.floats(-1.0, 1.0)
+TOL_M = 1e-6
+SHARES = np.array([0.0, 0.3, 0.7, 0.99, 1.0])
+courses_, places = st.floats(-math.pi, math.pi), st.floats(-3.0, 3.0)
 
 
 def border_of(box: Box) -> np.ndarray:
@@ -26,50 +26,42 @@ def border_of(box: Box) -> np.ndarray:
     return np.concatenate([a + shares * (b - a) for a, b in zip(corners, ends, strict=True)])
 
 
-def test_straight_on_the_front_gets_there_by_the_distance() -> None:
-    points = np.array([[1.2, 0.0], [1.2, 0.31], [-1.0, 0.0], [0.1, -0.2]])
-    times = entry_times(points, Velocity(0.5, 0.0, 0.0), BOX)
-    assert times.tolist() == [2.0, math.inf, math.inf, 0.0]
+def gap_of(point: np.ndarray) -> float:
+    """Return how far a point, shape (1, 2), is from the box."""
+    x, y = point[0]
+    ahead, aside = max(x - BOX.front, -BOX.rear - x, 0.0), max(abs(y) - BOX.half_width, 0.0)
+    return math.hypot(ahead, aside)
 
 
-def test_sideways_the_side_gets_there() -> None:
-    times = entry_times(np.array([[0.0, 1.3], [0.3, 1.3]]), Velocity(0.0, 0.5, 0.0), BOX)
-    assert times.tolist() == [2.0, math.inf]
-
-
-def test_turning_on_the_spot_the_rear_corner_sweeps_the_side() -> None:
-    """The rear corner is at 210.96 degrees; turning left it gets to -90 degrees 59.04 later."""
-    corner = math.hypot(0.5, 0.3)
-    point = np.array([[0.0, -(corner - 1e-9)]])
-    time = entry_times(point, Velocity(0.0, 0.0, 1.0), BOX)[0]
-    assert time == pytest.approx(math.pi / 2.0 - math.atan2(0.3, 0.5), abs=1e-3)
+def box_at(course: float, ways: np.ndarray) -> list[SE2]:
+    """Return the poses of a robot that drives straight on along a course."""
+    return [SE2(way * math.cos(course), way * math.sin(course), course) for way in ways]
 
 
 @settings(max_examples=150, deadline=None)
-@given(x=speeds, y=speeds, w=st.floats(-2.0, 2.0), t=st.floats(0.0, 2.0))
-def test_all_that_the_robot_really_sweeps_is_in_it(x: float, y: float, w: float, t: float) -> None:
-    velocity = Velocity(x, y, w)
-    swept = moved_by(velocity, t) @ border_of(BOX)
-    assert (entry_times(swept, velocity, BOX.grown(1e-6)) <= t + TOL_S).all()
+@given(course=courses_, way=st.floats(0.0, 3.0))
+def test_all_that_the_robot_really_sweeps_on_a_course_is_in_it(course: float, way: float) -> None:
+    """Each point on the border of its box, `way` farther on, is met by then if it is ahead now."""
+    swept = SE2(way * math.cos(course), way * math.sin(course), course) @ border_of(BOX)
+    along = swept @ np.array([math.cos(course), math.sin(course)])
+    wider = BOX.half_width + 1e-6
+    for point in swept[along > BOX.front + 1e-9]:
+        met = free_ways(np.array([course]), point[None], np.zeros(1), BOX.front, wider)[0]
+        assert met <= way + TOL_M
 
 
 @settings(max_examples=150, deadline=None)
-@given(x=speeds, y=speeds, w=st.floats(-2.0, 2.0), px=st.floats(-3.0, 3.0), py=st.floats(-3.0, 3.0))
-def test_what_is_in_it_is_in_the_box_at_that_time_and_not_before(
-    x: float, y: float, w: float, px: float, py: float
+@given(course=courses_, x=places, y=places, radius=st.floats(0.0, 0.4))
+def test_what_is_in_it_touches_the_box_then_and_not_before(
+    course: float, x: float, y: float, radius: float
 ) -> None:
-    velocity, point = Velocity(x, y, w), np.array([[px, py]])
-    time = float(entry_times(point, velocity, BOX)[0])
-    if not math.isfinite(time) or time > 20.0:
+    point = np.array([[x, y]])
+    way = free_ways(np.array([course]), point, np.array([radius]), BOX.front, BOX.half_width)[0]
+    if not math.isfinite(way) or way == 0.0:
         return
-    there = (moved_by(velocity, time).inverse() @ point)[0]
-    edge = BOX.grown(1e-5)
-    assert -edge.rear <= there[0] <= edge.front and abs(there[1]) <= edge.half_width
-    inner = BOX.grown(-1e-5)
-    for share in (0.0, 0.3, 0.7, 0.99):
-        before = (moved_by(velocity, share * time).inverse() @ point)[0]
-        is_inside = -inner.rear < before[0] < inner.front and abs(before[1]) < inner.half_width
-        assert time == 0.0 or not is_inside
+    gaps = [gap_of(pose.inverse() @ point) for pose in box_at(course, way * SHARES)]
+    assert gaps[-1] == pytest.approx(radius, abs=TOL_M)
+    assert min(gaps[:-1]) > radius - TOL_M
 
 
 def test_a_robot_without_a_box_is_the_square_around_its_circle() -> None:

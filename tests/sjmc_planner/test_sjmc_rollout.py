@@ -6,8 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from floornav_common.se2 import SE2
 from sjmc_planner.config import RobotConfig
+from sjmc_planner.limited_motion import moved_by, ramped
 from sjmc_planner.planning import STILL, Velocity
 from sjmc_planner.sjmc_region import box_of
 from sjmc_planner.sjmc_rollout import Foresight
@@ -18,6 +22,7 @@ ROBOT = RobotConfig(
 )  # fmt: skip
 NOTHING, NOBODY = np.zeros((0, 2)), np.zeros((0, 5))
 DELAY, UNTIL, TOL_M = 0.2, 2.5, 0.02
+STEP_M = 0.05  # half of what the front, or a corner, goes on in a step of 0.1 s
 
 
 def foresight(robot: RobotConfig = ROBOT) -> Foresight:
@@ -64,6 +69,26 @@ def test_a_thing_beside_is_swept_by_the_tail_of_a_turn() -> None:
     thing = np.array([[-0.3, -0.35]])
     seen = foresight().look(STILL, math.radians(90.0), 0.0, 2.0, thing, NOBODY)
     assert seen.thing_gap == pytest.approx(0.0, abs=0.01)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    x=st.floats(0.0, 0.8), w=st.floats(-1.2, 1.2), px=st.floats(-1.0, 2.0), py=st.floats(-1.2, 1.2)
+)
+def test_what_a_turning_robot_really_sweeps_until_it_stands_is_foreseen(
+    x: float, w: float, px: float, py: float
+) -> None:
+    """Driven in steps of 5 ms: on as it is for the delay, then braking at both limits."""
+    point, box, dt = np.array([[px, py]]), box_of(ROBOT), 0.005
+    pose, now, real = SE2.identity(), Velocity(x, 0.0, w), math.inf
+    for k in range(round(UNTIL / dt)):
+        there = (pose.inverse() @ point)[0]
+        ahead = max(there[0] - box.front, -box.rear - there[0], 0.0)
+        real = min(real, math.hypot(ahead, max(abs(there[1]) - box.half_width, 0.0)))
+        now = now if k * dt < DELAY else ramped(now, STILL, ROBOT, dt)
+        pose = pose @ moved_by(now, dt)
+    seen = foresight().look(Velocity(x, 0.0, w), 0.0, 0.0, 0.0, point, NOBODY)
+    assert seen.thing_gap == pytest.approx(real, abs=STEP_M)
 
 
 def test_a_robot_without_a_box_is_its_circle() -> None:

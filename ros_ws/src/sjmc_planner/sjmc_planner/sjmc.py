@@ -1,8 +1,9 @@
 """SJMC with people told apart: who is in the way, where they go, and whether they make room.
 
-The order is the thesis's (Fig. 3.3): is the target reached, may the course to it be kept, must an
-obstacle be avoided. What the thesis had to leave out is measured by tracks of people: v_ox, v_oy
-and t_avoid of eq. 3.5 and 3.7, per person. Beyond it:
+The questions are the thesis's (Fig. 3.3): may the course to the target be kept, must an obstacle be
+avoided, is the target reached (asked first here, which in a loop is the same but for its start).
+What the thesis had to leave out is measured by tracks of people: v_ox, v_oy and t_avoid of eq. 3.5
+and 3.7, per person. Beyond it:
 - t_aware shrinks with the distance, and a person counts as not yielding once standing in the way
   where eq. 3.5 leaves no speed to speak of; things (wide and standing) are never waited for;
 - who walks through D is waited for, also inside L_DANGER, as long as the robot can still stop; a
@@ -53,6 +54,7 @@ from sjmc_planner.sjmc_retreat import Retreat
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_room import make_room
 from sjmc_planner.sjmc_scene import SceneReader
+from sjmc_planner.sjmc_zones import DANGER, zone_of
 from sjmc_planner.tracking_config import TrackingConfig
 from sjmc_planner.unicycle_motion import Unicycle
 
@@ -93,7 +95,7 @@ class Sjmc:
     def decide(
         self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
     ) -> Decision:
-        """Return the command for now (Fig. 3.3)."""
+        """Return the command for now (Fig. 3.3; the end is asked first)."""
         scene = self._scenes.read(state, obstacles)
         self._retreat.note(state)
         if goal.distance <= self._cycle.goal_tolerance:  # end
@@ -172,7 +174,8 @@ class Sjmc:
 
     def _stuck(self, moment: Moment) -> Decision:
         """Return what is left: creep on where that is safe, or stand."""
-        speed, _ = self._safe_speed(moment.goal.bearing, _CREEP, moment)
+        ahead = self._in_the_way(moment.goal.bearing, moment)
+        speed, _ = self._safe_speed(moment.goal.bearing, min(_CREEP, ahead.bound), moment)
         reason = "the way is not seen" if moment.is_blind else "no course is open"
         if speed > _SLOW and not moment.is_blind:
             return Decision(self._command(moment.goal.bearing, speed), BLOCKED, reason)
@@ -210,7 +213,8 @@ class Sjmc:
 
     def _stands_near(self, ahead: InTheWay) -> bool:
         """Tell whether somebody stands in a course's Danger Zone (3.7)."""
-        return ahead.who >= 0 and ahead.is_stable and ahead.distance <= self._config.danger_m
+        zone = zone_of(ahead.distance, self._config.danger_m, self._config.caution_m)
+        return ahead.who >= 0 and ahead.is_stable and zone == DANGER
 
     def _safe_speed(self, course: float, bound: float, moment: Moment) -> tuple[float, Foreseen]:
         """Return the most speed from which braking keeps clear, and what is foreseen at it."""

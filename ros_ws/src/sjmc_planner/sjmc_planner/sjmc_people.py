@@ -1,7 +1,9 @@
 """How each person in the way is taken: moving or standing, waited for or judged not to yield.
 
-D here is the strip that the robot's box drives through along a course. Who stands in it, or does
-not leave it by going on, is Stable, others in it are Unstable (thesis, 3.6.1).
+D here is the strip that the robot's box drives through along a course: what it would sweep at the
+velocity it would have there (3.7). The obstacle that counts (o_f) is the one in D whose model
+leaves the least speed, of equals the nearest; the thesis takes the nearest. Who stands in D, or
+does not leave it by going on, is Stable, others in it are Unstable (thesis, 3.6.1).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import numpy as np
 from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.sjmc_scene import Scene
 from sjmc_planner.sjmc_speed import avoid_time, aware_time, stable_bound, unstable_bound
+from sjmc_planner.sjmc_zones import DANGER, zone_of
 
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _LEAVES_S = 4.0  # who takes longer to leave D does not leave it
@@ -65,7 +68,8 @@ def is_not_yielding(ahead: InTheWay, scene: Scene, config: SjmcConfig) -> bool:
     """Tell whether who is ahead stands in the way where eq. 3.5 leaves no speed to speak of."""
     if ahead.who < 0 or scene.is_moving[ahead.who]:
         return False
-    return ahead.distance <= config.danger_m or ahead.bound <= config.end_m_s
+    zone = zone_of(ahead.distance, config.danger_m, config.caution_m)
+    return zone == DANGER or ahead.bound <= config.end_m_s
 
 
 @numba.njit(cache=True, nogil=True)
@@ -79,7 +83,7 @@ def _in_the_way(course, people, is_moving, is_judged, front, half, zones):  # ty
         edge = half + r
         distance = along - front - r
         if abs(across) >= edge or along <= 0.0 or distance > caution:
-            continue
+            continue  # not in D, or in the Safety Zone (eq. 3.3)
         closing, outward = -(c * vx + s * vy), c * vy - s * vx
         way_out = edge - across if outward > 0.0 else edge + across
         t_avoid = avoid_time(way_out, abs(outward))

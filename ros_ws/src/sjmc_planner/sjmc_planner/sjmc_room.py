@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from sjmc_planner.config import RobotConfig
 from sjmc_planner.planning import RobotState
 from sjmc_planner.sjmc_config import SjmcConfig
@@ -19,6 +21,7 @@ _BACK = (-0.15, -0.3, -0.5)  # m/s; only the first among several
 _AWAY = (20.0, 40.0, 60.0, 80.0, 100.0)  # deg
 _HOLD_S = 1.5
 _HOPELESS = -0.2  # m
+_SEEN_M = 1.0  # so far beyond the robot a way has to have been looked along
 _GAIN, _GAIN_ON = 0.05, 0.005  # better than standing by this at least, to begin and to go on, m
 
 
@@ -59,12 +62,25 @@ def make_room(
     if standing.people_time > config.dodge_s:
         return chosen
     for angle in _AWAY:
+        sides = _seen(angle, scene, robot)
         for share in (1.0, 0.5):
             speed, gaps = share * robot.speed_m_s, {}
-            for course in (math.radians(angle), -math.radians(angle)):
+            for course in sides:
                 seen = foresight.look(now, course, speed, _HOLD_S, things, people)
                 gaps[course] = seen.people_gap if seen.thing_gap >= robot.margin_m else -math.inf
-            course = max(gaps, key=gaps.__getitem__)
-            if gaps[course] > best + _GAIN:
+            course = max(gaps, key=gaps.__getitem__, default=0.0)
+            if course != 0.0 and gaps[course] > best + _GAIN:
                 best, chosen = gaps[course], (speed, course)
     return chosen
+
+
+def _seen(angle: float, scene: Scene, robot: RobotConfig) -> list[float]:
+    """Return the courses an angle (deg) to either side whose way was looked along, rad.
+
+    A differential robot drives along its heading while it turns: that has to be seen too.
+    """
+    looked = robot.radius_m, _SEEN_M
+    if robot.drive == "differential" and scene.ends.unseen(np.zeros(1), *looked)[0]:
+        return []
+    sides = np.radians([angle, -angle])
+    return [float(course) for course in sides[~scene.ends.unseen(sides, *looked)]]
