@@ -27,23 +27,23 @@ class PoseEstimate:
 
     def __post_init__(self) -> None:
         cov = np.array(self.cov, dtype=float)
-        must = _what_it_must_be(cov.tolist()) if cov.shape == (3, 3) else "(3, 3)"
-        if must:
-            raise ValueError(f"cov must be {must}, got {cov.tolist()}")
+        fault = _fault(cov.tolist()) if cov.shape == (3, 3) else "cov must be (3, 3)"
+        if fault:
+            raise ValueError(f"{fault}, got {cov.tolist()}")
         cov = 0.5 * (cov + cov.T)
         cov.flags.writeable = False
         object.__setattr__(self, "cov", cov)
 
 
-def _what_it_must_be(rows: list[list[float]]) -> str:
-    """Return what a covariance of three rows is not, though it must be; "" if nothing."""
+def _fault(rows: list[list[float]]) -> str:
+    """Return what is wrong with a covariance of three rows; "" if nothing."""
     if not all(math.isfinite(value) for row in rows for value in row):
-        return "finite"
+        return "cov must be finite"
     for k, n in ((0, 1), (0, 2), (1, 2)):
         one, other = rows[k][n], rows[n][k]
         if abs(one - other) > 1e-6 * min(abs(one), abs(other)) + 1e-12:
-            return "symmetric"
-    return "" if _is_positive(*rows) else "positive definite"
+            return "cov must be symmetric"
+    return "" if _is_positive(*rows) else "cov must be positive definite"
 
 
 def _is_positive(first: list[float], second: list[float], third: list[float]) -> bool:
