@@ -37,13 +37,14 @@ def danger_rows(done: Drives, chosen: Sequence[float]) -> list[dict[str, Any]]:
 
 
 def straight_rows(done: Drives) -> list[dict[str, Any]]:
-    """Return Fig. 5.5: share of runs that stayed straight, against the distance."""
+    """Return Fig. 5.5: share of runs that stayed straight, and without a contact, by distance."""
     rows = []
     for (distance, method), runs in _groups(done, CROSSING, lambda t: (t.distance, t.method)):
         gaps = [r.min_gap_m for r in runs]
         rows.append({
             "distance_m": distance, "method": method,
-            "success": _share(r.is_straight and r.is_done for r in runs),
+            "success": _share(r.is_straight and r.is_done and not r.contacts for r in runs),
+            "straight": _share(r.is_straight and r.is_done for r in runs),
             "contacts": sum(r.contacts > 0 for r in runs),
             "contacts_by_robot": sum(r.by_robot > 0 for r in runs),
             "clear": _share(g >= 0.2 for g in gaps), "min_gap_m": min(gaps),

@@ -135,7 +135,7 @@ def _draw_straight(path: Path, rows: list[dict[str, Any]]) -> Path:
         own = sorted((r for r in rows if r["method"] == method), key=lambda r: r["distance_m"])
         x = [r["distance_m"] for r in own]
         ax.plot(
-            x, [100 * r["success"] for r in own], "o-", color=_COLORS[method], label=NAMES[method]
+            x, [100 * r["straight"] for r in own], "o-", color=_COLORS[method], label=NAMES[method]
         )
         share = [100 * r["contacts"] / r["runs"] for r in own]
         ax.plot(x, share, "x:", color=_COLORS[method], alpha=0.7)

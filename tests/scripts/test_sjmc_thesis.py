@@ -57,7 +57,8 @@ def test_straight_is_a_share_and_contacts_are_runs() -> None:
         for k in range(4)
     }
     (row,) = straight_rows(done)
-    assert (row["success"], row["contacts"], row["runs"]) == (0.75, 1, 4)
+    assert (row["straight"], row["contacts"], row["runs"]) == (0.75, 1, 4)
+    assert row["success"] == 0.5  # one was not straight, one touched
     assert row["clear"] == 0.5 and row["min_gap_m"] == 0.0
 
 
