@@ -48,6 +48,10 @@ from sim_bridge.schema import WorldError
 
 NUM_RUNS, NUM_QUICK = 75, 2
 _BASE = "vfh_plus"
+_AIMS = (
+    "contacts caused", "stops over 5 s where all yield", "time / VFH+", "turns / VFH+, both"
+)  # fmt: skip
+_MOST = 0.0, 0.0, 0.7, 0.5
 _BESIDE = {
     "time": "time / VFH+", "runs": "of runs", "time_both": "time / VFH+, both",
     "heading_changes": "turns / VFH+, both", "runs_both": "of runs, both",
@@ -173,7 +177,30 @@ def _sections(
         pictures = _pictures(args, scene, places[scene], outcomes)
         title = f"{scene.replace('_', ' ')}: {values['runs_of_each']} runs of each method"
         sections.append(Section(title, [Table(header, rows), *pictures]))
-    return sections
+    is_reacting = "sjmc" in args.methods and any(name in SCENES for name in places)
+    return [_aims(values["scenes"]), *sections] if is_reacting else sections
+
+
+def _aims(scenes: dict[str, Any]) -> Section:
+    """Return what was to be reached among people who react, and whether `sjmc` did."""
+    rows = []
+    for scene in (name for name in SCENES if name in scenes):
+        own = scenes[scene]["methods"].get("sjmc")
+        if own is not None:
+            ratios = own[f"beside_{_BASE}"] or {}
+            found = [own["collisions_caused"], own["long_stops_where_all_yield"],
+                     ratios.get("time"), ratios.get("heading_changes")]  # fmt: skip
+            cells = [_judged(value, most) for value, most in zip(found, _MOST, strict=True)]
+            rows.append([scene.replace("_", " "), *cells])
+    aims = [f"{text} (aim: {most:g})" for text, most in zip(_AIMS, _MOST, strict=True)]
+    return Section("sjmc beside its aims", [Table(["scene", *aims], rows)])
+
+
+def _judged(value: float | None, most: float) -> str:
+    """Return a figure with whether it is at most what was aimed at."""
+    if value is None:
+        return "not measured"
+    return f"{round(value, 2):g}: {'met' if value <= most else 'not met'}"
 
 
 def _pictures(

@@ -71,6 +71,14 @@ def test_methods_are_held_beside_each_other_on_the_same_runs_and_failing_is_no_g
     assert beside({}, theirs)["time"] is None
 
 
+def test_the_report_says_which_aims_are_met() -> None:
+    """No contact, one long stop, 0.65 of VFH+'s time; turns were not held beside anything."""
+    own = figures([GOOD, replace(BAD, caused=0)])
+    own["beside_vfh_plus"] = {"time": 0.65, "heading_changes": None}
+    (table,) = crowd._aims({"corridor": {"methods": {"sjmc": own}}, "eth": {"methods": {}}}).blocks
+    assert table.rows == [["corridor", "0: met", "1: not met", "0.65: met", "not measured"]]
+
+
 def test_one_row_is_sjmc_told_the_disk_that_the_others_are_told() -> None:
     disk, box = crowd_runs._method("sjmc_disk"), crowd_runs._method("sjmc")
     assert isinstance(disk, Sjmc) and isinstance(box, Sjmc)
