@@ -188,8 +188,9 @@ def _aims(scenes: dict[str, Any]) -> Section:
         own = scenes[scene]["methods"].get("sjmc")
         if own is not None:
             ratios = own[f"beside_{_BASE}"] or {}
-            found = [own["collisions_caused"], own["long_stops_where_all_yield"],
-                     ratios.get("time"), ratios.get("heading_changes")]  # fmt: skip
+            stops = own["long_stops_where_all_yield"] if own["runs_where_all_yield"] else None
+            found = [own["collisions_caused"], stops, ratios.get("time"),
+                     ratios.get("heading_changes")]  # fmt: skip
             cells = [_judged(value, most) for value, most in zip(found, _MOST, strict=True)]
             rows.append([scene.replace("_", " "), *cells])
     aims = [f"{text} (aim: {most:g})" for text, most in zip(_AIMS, _MOST, strict=True)]

@@ -77,6 +77,9 @@ def test_the_report_says_which_aims_are_met() -> None:
     own["beside_vfh_plus"] = {"time": 0.65, "heading_changes": None}
     (table,) = crowd._aims({"corridor": {"methods": {"sjmc": own}}, "eth": {"methods": {}}}).blocks
     assert table.rows == [["corridor", "0: met", "1: not met", "0.65: met", "not measured"]]
+    own["runs_where_all_yield"] = 0
+    (table,) = crowd._aims({"corridor": {"methods": {"sjmc": own}}}).blocks
+    assert table.rows[0][2] == "not measured"
 
 
 def test_one_row_is_sjmc_told_the_disk_that_the_others_are_told() -> None:
