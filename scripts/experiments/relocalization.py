@@ -32,9 +32,9 @@ from experiments.relocalization_floors import (
 from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.surface_points import points_of
 from grid_mapper.relocalizer import Relocalizer
 from grid_mapper.relocation_messages import Forget, Found, Look, NewMap
+from grid_mapper.surface_points import points_of
 
 NUM_MAPS, NUM_PLACES, WAY_M = 5, 200, 6.0
 QUICK_MAPS, QUICK_PLACES = 2, 12
