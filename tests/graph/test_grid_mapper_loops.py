@@ -69,7 +69,8 @@ class RingRobot(Robot):
     def loops(self) -> dict[str, int]:
         """Return the newest counts that the node said of its loops."""
         said = statuses(self.said, "loops")
-        return {v.key: int(v.value) for v in said[-1].values} if said else {"loops closed": 0}
+        newest = {v.key: int(v.value) for v in said[-1].values} if said else {}
+        return {"loops closed": 0, "maps made anew": 0, **newest}
 
     def revisit_error(self) -> float:
         """Return the mean error of the newest trajectory's motions from lap to lap."""
