@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 
 from _day_figures import day_figures, surroundings
 from _day_film import Stage, write_film
@@ -33,10 +31,10 @@ from _demo_domain import refuse_other_clock
 from _demo_watch import Liveness
 from _processes import ChildDiedError, Processes
 from _saying import saying
+from _watched import watched
 from experiments.goal_drives import GOAL_LIMIT_S, GoalDrive, drive_goals
 from experiments.stereo_world_map import map_of_world
 from floornav_common.reporting import Progress, say
-from floornav_common.ros.main import make_executor
 from multi_localizer.voxel_map import save_voxel_map
 from sim_bridge.robot_model import load_robot
 from sim_bridge.world import World
@@ -72,29 +70,16 @@ class Day:
 
     def run(self) -> None:
         """Start everything, send the goals, stop everything, and run the usual robot."""
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        self._watch = watch = DayWatch(self._model, self._goals, GOAL_LIMIT_S)
-        executor = make_executor()
-        executor.add_node(watch)
-
-        def spin() -> None:
-            # One call handles one message or a batch, as the executor has it.
-            end = time.monotonic() + 0.05
-            while time.monotonic() < end:
-                executor.spin_once(timeout_sec=0.02)
-
+        make_watch = lambda: DayWatch(self._model, self._goals, GOAL_LIMIT_S)  # noqa: E731
         try:
-            with Processes(self._out / "logs", os.environ) as children:
-                self._begin(children, watch, spin)
-                self._follow(children, watch, spin)
+            with watched(make_watch, self._out / "logs") as (self._watch, children, spin):
+                self._begin(children, self._watch, spin)
+                self._follow(children, self._watch, spin)
                 say("stopping the nodes ...", is_quiet=self._args.quiet)
             self._run_usual()
             self.problem = ""
         except ChildDiedError as error:
             self.problem = str(error)
-        finally:
-            watch.destroy_node()
-            rclpy.try_shutdown()
 
     def results(self) -> dict[str, Any]:
         """Return this run's keys of the summary; a touch is a problem too."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -11,8 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 
 from _demo_domain import refuse_other_clock
 from _demo_glass import glass_recall
@@ -22,8 +19,8 @@ from _demo_surface import visible_surface
 from _demo_watch import DemoWatch, Heard, Liveness
 from _processes import ChildDiedError, Processes
 from _saying import saying
+from _watched import watched
 from floornav_common.reporting import Progress, say
-from floornav_common.ros.main import make_executor
 from floornav_common.transform3 import Transform3
 from sim_bridge.laser import beam_angles
 from sim_bridge.robot_model import load_robot
@@ -61,28 +58,13 @@ class Demo:
 
     def run(self) -> None:
         """Start everything, watch until the end of the route, stop everything."""
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        watch = DemoWatch()
-        self._heard = watch.heard
-
-        executor = make_executor()
-        executor.add_node(watch)
-
-        def spin() -> None:
-            # One call handles one message or a batch, as the executor has it.
-            end = time.monotonic() + 0.05
-            while time.monotonic() < end:
-                executor.spin_once(timeout_sec=0.02)
-
         try:
-            with Processes(self._out / "logs", os.environ) as children:
+            with watched(DemoWatch, self._out / "logs") as (watch, children, spin):
+                self._heard = watch.heard
                 self._drive(children, watch, spin)
             self.problem = self._touch()
         except ChildDiedError as error:
             self.problem = str(error)
-        finally:
-            watch.destroy_node()
-            rclpy.try_shutdown()
 
     def results(self) -> dict[str, Any]:
         """Return this run's keys of the summary."""

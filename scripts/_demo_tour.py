@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -11,8 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rclpy
-from rclpy.signals import SignalHandlerOptions
 
 from _demo_domain import refuse_other_clock
 from _demo_pictures import write_overview
@@ -22,8 +19,8 @@ from _tour_drivers import Driver
 from _tour_report import changed_people_model, write_images, write_page, write_plan
 from _tour_ride import ride
 from _tour_watch import TourWatch
+from _watched import watched
 from floornav_common.reporting import Progress, say
-from floornav_common.ros.main import make_executor
 from sim_bridge.robot_model import load_robot
 from sim_bridge.solids import solids_of
 from sim_bridge.world import World
@@ -56,27 +53,15 @@ class Tour:
 
     def run(self) -> None:
         """Start everything, drive, stop everything."""
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        self._heard = watch = TourWatch(self._models, self._drivers)
-        executor = make_executor()
-        executor.add_node(watch)
-
-        def spin() -> None:
-            end = time.monotonic() + 0.05
-            while time.monotonic() < end:
-                executor.spin_once(timeout_sec=0.02)
-
+        make_watch = lambda: TourWatch(self._models, self._drivers)  # noqa: E731
         try:
-            with Processes(self._out / "logs", os.environ) as children:
+            with watched(make_watch, self._out / "logs") as (self._heard, children, spin):
                 self._start(children, spin)
-                self._watch(children, watch, spin)
+                self._watch(children, self._heard, spin)
                 say("stopping the nodes ...", is_quiet=self._args.quiet)
             self.problem = ""
         except ChildDiedError as error:
             self.problem = str(error)
-        finally:
-            watch.destroy_node()
-            rclpy.try_shutdown()
 
     def results(self) -> dict[str, Any]:
         """Return this run's keys of the summary."""
