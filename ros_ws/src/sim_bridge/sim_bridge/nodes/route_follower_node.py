@@ -22,6 +22,7 @@ from floornav_common.ros.messages import pose_to_se2, stamp_to_ns
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.parameters import declare_config
 from floornav_common.ros.qos import RELIABLE_QOS, create_publisher, create_subscription
+from floornav_common.ros.watchdog import Watchdog
 from floornav_common.se2 import SE2
 from sim_bridge.config import RouteConfig
 from sim_bridge.drive import STOP, Velocity
@@ -42,11 +43,16 @@ class RouteFollowerNode(FloornavNode):
         self._T_map_odom = SE2.identity() if self._config.steer_by == "odom" else None
         self._corrected_ns = 0
         self._cmd_pub = create_publisher(self, Twist, "cmd_vel", RELIABLE_QOS)
-        create_subscription(self, PoseWithCovarianceStamped, "pose", self._on_pose, RELIABLE_QOS)
-        create_subscription(self, Odometry, "odom", self._on_odom, RELIABLE_QOS)
+        poses = create_subscription(
+            self, PoseWithCovarianceStamped, "pose", self._on_pose, RELIABLE_QOS
+        )
+        odometry = create_subscription(self, Odometry, "odom", self._on_odom, RELIABLE_QOS)
+        self._poses = Watchdog(self, poses.topic_name, self._config.pose_timeout_s)
+        self._odometry = Watchdog(self, odometry.topic_name, self._config.pose_timeout_s)
         self.ready()
 
     def _on_pose(self, msg: PoseWithCovarianceStamped) -> None:
+        self._poses.feed()
         stamp_ns = stamp_to_ns(msg.header.stamp)
         T_odom_base = self._T_odom_base.get(stamp_ns)
         if self._config.steer_by == "pose" and T_odom_base is not None:
@@ -54,6 +60,7 @@ class RouteFollowerNode(FloornavNode):
             self._corrected_ns = stamp_ns
 
     def _on_odom(self, msg: Odometry) -> None:
+        self._odometry.feed()
         stamp_ns, T_odom_base = stamp_to_ns(msg.header.stamp), pose_to_se2(msg.pose.pose)
         self._T_odom_base[stamp_ns] = T_odom_base
         if len(self._T_odom_base) > _KEPT_ODOMETRY:

@@ -23,6 +23,7 @@ from floornav_common.ros.qos import (
     RELIABLE_QOS,
     create_publisher,
     create_subscription,
+    publisher_names,
 )
 from floornav_common.se2 import SE2
 from floornav_common.transform_errors import TransformUnavailable
@@ -47,7 +48,6 @@ class WavefrontPlannerNode(FloornavNode):
         self._goal: PoseStamped | None = None  # until it is known in the map's frame
         self._base = self.frames.base
         self._path_pub = create_publisher(self, Path, "path", LATCHED_QOS)
-        self.diagnostics.set("path", Status(OK, "idle: no goal"))
         self.transforms  # noqa: B018, listens from now on
         create_subscription(self, OccupancyGrid, "map", self._on_map, LATCHED_QOS)
         create_subscription(self, PoseStamped, "goal_pose", self._on_goal, RELIABLE_QOS)
@@ -78,6 +78,7 @@ class WavefrontPlannerNode(FloornavNode):
     def _look(self) -> None:
         """Make a way, or say what is missing for one."""
         if self._goal is None and not self._keeper.has_goal:
+            self._rest()
             return
         try:
             if self._goal is not None:
@@ -87,6 +88,17 @@ class WavefrontPlannerNode(FloornavNode):
             self._say(self._keeper.wait(str(error)))
             return
         self._say(self._keeper.update(here))
+
+    def _rest(self) -> None:
+        """Say that there is no goal; or no map, and who would send it."""
+        if self._map_frame:
+            self.diagnostics.set("path", Status(OK, "idle: no goal"))
+            return
+        topic = self.resolve_topic_name("map")
+        senders = ", ".join(publisher_names(self, topic)) or "nobody"
+        text = f"waiting for a map: {topic}: never arrived; published by {senders}"
+        self.diagnostics.set("path", Status(STALE, text))
+        self.get_logger().info(text, once=True)
 
     def _place_goal(self, goal: PoseStamped) -> None:
         """Give the goal to the keeper in the map's frame.
