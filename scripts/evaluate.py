@@ -47,6 +47,7 @@ EXPERIMENTS = {
     "stereo-matching": "disparities by DP beside OpenCV's: rendered pairs, or --pair LEFT RIGHT",
     "people-tracking": "people followed from scans beside the truth, and false movers",
     "crowd": "every planning method, ORCA and DWA among people who react: [--people FILE ...]",
+    "faults": "what goes wrong in the running graph: safe, how soon it stands, how soon it drives",
     "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
 }
 
@@ -66,7 +67,7 @@ def main(argv: list[str] | None = None) -> int:
     for section in sections:
         say(_section_text(section), is_quiet=args.quiet)
     say(f"results: {args.out_dir}", is_quiet=args.quiet)
-    return 0
+    return 0 if values["ok"] else 1
 
 
 def _module(experiment: str):  # type: ignore[no-untyped-def]

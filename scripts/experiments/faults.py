@@ -1,0 +1,127 @@
+"""Faults in the running graph: what the robot does, how soon it stands, how soon it drives again.
+
+Every node is a process of its own over DDS; a relay of ours sits between the simulator and the
+nodes and does to messages what a fault asks for. The robot drives when a fault strikes. Judged is
+what arrives at the simulator as `cmd_vel` and how the robot truly moves, in simulated time.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from typing import Any
+
+from _demo_domain import join_domain
+from _processes import ChildDiedError
+from experiments.faults_case import Fault, Row, run_fault
+from experiments.faults_graph import FaultGraph, GraphError
+from experiments.faults_rows import other_sensor_faults, scan_faults, traffic_faults
+from experiments.faults_rows_clock import clock_faults
+from experiments.faults_rows_nodes import company_faults, process_faults, simulator_fault
+from experiments.faults_setups import Setup, hall
+from floornav_common.reporting import Section, Table, UserError, say
+
+_HEADS = [
+    "fault", "what", "expected", "seen", "stop ms", "stands after s", "drives again after s",
+    "lost", "passed",
+]  # fmt: skip
+
+
+def all_faults(seed: int = 0) -> dict[str, list[Fault]]:
+    """Return the faults of each graph in the order they are run."""
+    return {
+        "hall": [
+            *scan_faults(), *other_sensor_faults(), *traffic_faults(seed), *clock_faults(),
+            *company_faults(), *process_faults(), simulator_fault(),
+        ],
+    }  # fmt: skip
+
+
+_SETUPS = {"hall": hall}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add what only this experiment takes."""
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="these faults alone")
+    parser.add_argument("--quick", action="store_true", help="one fault of each kind")
+    parser.add_argument("--list", action="store_true", help="name the faults and end")
+
+
+def check(args: argparse.Namespace) -> None:
+    """Look at the input before anything is made.
+
+    Raises:
+        UserError: If there is no such fault, or the user's ROS domain has a `/clock` already.
+    """
+    faults = [fault for some in all_faults().values() for fault in some]
+    unknown = [name for name in args.only or () if name not in {f.name for f in faults}]
+    if unknown:
+        raise UserError(f"no fault named {', '.join(unknown)}; --list names them")
+    if args.list:
+        for fault in faults:
+            print(f"{fault.name:28s} {fault.what}")
+        raise SystemExit(0)
+    if problem := join_domain():
+        raise UserError(problem)
+
+
+def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
+    """Run the faults; fills `values["faults"]`, `values["passed"]` and `values["total"]`."""
+    rows: list[Row] = []
+    values |= {"faults": [], "passed": 0, "total": 0, "sim_s": 0.0, "graphs_started": 0}
+    for name, faults in all_faults(args.seed).items():
+        chosen = [f for f in faults if not args.only or f.name in args.only]
+        while chosen:
+            chosen = _run_graph(_SETUPS[name](), chosen, args, values, rows)
+    values["ok"] = values["passed"] == values["total"]
+    return [Section("Faults", [__doc__ or "", Table(_HEADS, [_cells(row) for row in rows])])]
+
+
+def _run_graph(
+    setup: Setup, faults: list[Fault], args: argparse.Namespace, values: dict[str, Any],
+    rows: list[Row],
+) -> list[Fault]:  # fmt: skip
+    """Run faults one after the other in one graph; return those left when it is of no use more."""
+    values["graphs_started"] += 1
+    out = args.out_dir / f"{setup.name}-{values['graphs_started']}"
+    with FaultGraph(setup, out, args.seed) as graph:
+        graph.start(lambda text: say(text, is_quiet=args.quiet))
+        left = list(faults)
+        while left:
+            fault = left.pop(0)
+            try:
+                rows.append(run_fault(graph, fault))
+            except (GraphError, ChildDiedError) as error:
+                rows.append(_failed(fault, setup, str(error)))
+            _fill(values, rows)
+            say(_line(rows[-1]), is_quiet=args.quiet)
+            if not rows[-1].recovered:
+                break
+        values["sim_s"] += graph.sim_s
+    return left
+
+
+def _failed(fault: Fault, setup: Setup, text: str) -> Row:
+    row = Row(fault.name, fault.what, fault.expected, text, safe=False, recovered=False)
+    row.kind, row.graph = fault.kind, setup.name
+    return row
+
+
+def _fill(values: dict[str, Any], rows: list[Row]) -> None:
+    values["faults"] = [vars(row) | {"passed": row.passed} for row in rows]
+    found = Counter(row.passed for row in rows)
+    values["passed"], values["total"] = found[True], len(rows)
+
+
+def _line(row: Row) -> str:
+    stop = "" if row.stop_ms is None else f", {row.stop_ms:.0f} ms"
+    again = "never" if row.recover_s is None else f"{row.recover_s:.1f} s"
+    word = "passed" if row.passed else "FAILED"
+    return f"{word}  {row.name}: {row.seen}{stop}; drives again after {again}; lost: {row.lost}"
+
+
+def _cells(row: Row) -> list[Any]:
+    passed = "yes" if row.passed else "NO"
+    figures = [row.stop_ms, row.stand_s, row.recover_s]
+    rounded = [None if v is None else round(v, 2) for v in figures]
+    return [row.name, row.what, row.expected, row.seen, *rounded, row.lost or "nothing", passed]

@@ -1,0 +1,169 @@
+"""The faults of nodes: killed, told to end, joined by others that they do not get on with."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from typing import Any
+
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+from experiments.faults_case import Act, Fault
+from experiments.faults_graph import SIMULATOR, FaultGraph
+from experiments.faults_judge import BASE, DRIVE, HALT, OTHER, STAND
+from floornav_common.ros.qos import RELIABLE_QOS
+from floornav_common.ros.transforms import TransformBroadcaster
+from floornav_common.se2 import SE2
+from floornav_common.transform3 import Transform3
+
+BASE_S = 0.5
+"""The base's own limit on the silence of commands (`command_timeout_s`)."""
+_POSE_S = 0.6
+"""Limit on the pose's age, and how far ahead `grid_mapper` stamps map to odom."""
+_INTRUDER, _INTRUDER_PERIOD_S = "intruder", 0.05
+_AWAY_M = 1.5
+
+
+def process_faults() -> list[Fault]:
+    """Return the faults of nodes that end."""
+    on = "drives on by what it has; goes on to new goals when it is back"
+    late = "the base brakes 0.5 s after the last command (its own limit)"
+    pose = "zero when map to odom, stamped 0.1 s ahead, is 0.5 s old"
+    return [
+        _killed("local_planner", late, BASE, BASE_S),
+        _killed("grid_mapper", pose, HALT, _POSE_S),
+        _killed("wavefront_planner", on, DRIVE),
+        _killed("floor_detector", "drives on by laser", DRIVE),
+        _ended("local_planner", "zero as its last word; exit code 0", HALT),
+        _ended("grid_mapper", f"{pose}; exit code 0", HALT, _POSE_S),
+        _ended("wavefront_planner", f"{on}; exit code 0", DRIVE),
+        _ended("floor_detector", "drives on by laser; exit code 0", DRIVE),
+    ]  # fmt: skip
+
+
+def simulator_fault() -> Fault:
+    """Return the end of the simulator: of sensors, clock and base at once. To be the last."""
+
+    def strike(graph: FaultGraph) -> None:
+        graph.send_signal(SIMULATOR, signal.SIGKILL)
+
+    def problem(graph: FaultGraph) -> str:
+        state, reason = graph.watch.state
+        is_said = state == "stopped" and "/clock" in reason
+        return "" if is_said else f"the planner says {state}: {reason}"
+
+    return Fault(
+        name="kill-sim_bridge", what="SIGKILL to sim_bridge: clock, sensors and base are gone",
+        kind=OTHER, expected="the planner says that /clock stands still, and sends zero",
+        strike=strike, mend=restarting(SIMULATOR), hold_s=4.0, has_time=False, check=problem,
+    )  # fmt: skip
+
+
+def company_faults() -> list[Fault]:
+    """Return the faults of others in the graph, and of places of sensors that are missing."""
+    return [
+        Fault(
+            name="second-cmd_vel", what="another node sends commands too", kind=DRIVE,
+            expected="an ERROR on /diagnostics that names it; touches nothing",
+            strike=_intrude(_send_commands), mend=_leave, check=_is_named("cmd_vel"), hold_s=4.0,
+        ),
+        Fault(
+            name="second-map-odom", what="another node sends map to odom, 1.5 m beside", kind=OTHER,
+            expected="grid_mapper sends none any more, and an ERROR that names the other",
+            strike=_intrude(_send_transforms), mend=_leave, hold_s=4.0,
+            check=_is_named("transform map to odom"),
+        ),
+        Fault(
+            name="tf-missing", what="local_planner starts anew, and no /tf_static comes",
+            kind=STAND, expected="stands, and says which frame is missing", hold_s=3.0,
+            strike=_without_statics, mend=lambda graph: graph.relay.give_statics(),
+            check=_says("laser"),
+        ),
+    ]  # fmt: skip
+
+
+def killing(name: str, sign: signal.Signals = signal.SIGKILL) -> Act:
+    """Return what ends a node by a signal."""
+    return lambda graph: graph.send_signal(name, sign)
+
+
+def restarting(name: str) -> Act:
+    """Return what starts a node again."""
+    return lambda graph: graph.start_node(name)
+
+
+def _killed(name: str, expected: str, kind: str, limit_s: float = 0.0) -> Fault:
+    return Fault(
+        name=f"kill-{name}", what=f"SIGKILL to {name}, then it is started again", kind=kind,
+        limit_s=limit_s, expected=expected, strike=killing(name), mend=restarting(name),
+    )  # fmt: skip
+
+
+def _ended(name: str, expected: str, kind: str, limit_s: float = 0.0) -> Fault:
+    def problem(graph: FaultGraph) -> str:
+        code = graph.wait_for_end(name)
+        return f"{name} ended with {code}" if code else ""
+
+    return Fault(
+        name=f"sigterm-{name}", what=f"SIGTERM to {name}, then it is started again", kind=kind,
+        limit_s=limit_s, expected=expected, strike=killing(name, signal.SIGTERM),
+        mend=restarting(name), check=problem,
+    )  # fmt: skip
+
+
+def _intrude(make: Callable[[Node, FaultGraph], Callable[[], None]]) -> Act:
+    """Return what starts a node that does something twenty times a second."""
+
+    def strike(graph: FaultGraph) -> None:
+        node = Node(_INTRUDER)
+        node.create_timer(_INTRUDER_PERIOD_S, make(node, graph))
+        graph.notes[_INTRUDER] = node
+        graph.add(node)
+
+    return strike
+
+
+def _leave(graph: FaultGraph) -> None:
+    graph.remove(graph.notes.pop(_INTRUDER))
+
+
+def _send_commands(node: Node, _graph: FaultGraph) -> Callable[[], None]:
+    publisher = node.create_publisher(Twist, "cmd_vel", RELIABLE_QOS)
+    msg = Twist()
+    msg.linear.x, msg.angular.z = 0.2, 0.1
+    return lambda: publisher.publish(msg)
+
+
+def _send_transforms(node: Node, graph: FaultGraph) -> Callable[[], None]:
+    broadcaster = TransformBroadcaster(node)
+    beside = Transform3.from_se2(SE2(0.0, _AWAY_M, 0.0))
+    return lambda: broadcaster.send("map", "odom", graph.relay.now_ns, beside)
+
+
+def _without_statics(graph: FaultGraph) -> None:
+    graph.relay.withhold_statics()
+    graph.send_signal("local_planner", signal.SIGKILL)
+    graph.wait_for_end("local_planner")
+    graph.start_node("local_planner")
+    graph.wait(lambda: graph.watch.speed < 0.01, "a robot that stands")
+    graph.spin_sim(1.0)
+
+
+def _is_named(part: str) -> Callable[[FaultGraph], str]:
+    """Return what looks whether a part of the diagnostics is an error that names the intruder."""
+
+    def problem(graph: FaultGraph) -> str:
+        said: list[Any] = [v for name, v in graph.watch.said.items() if name.endswith(f": {part}")]
+        found = [text for level, text in said if level == 2 and _INTRUDER in text]
+        return "" if found else f"no ERROR names it: {said}"
+
+    return problem
+
+
+def _says(word: str) -> Callable[[FaultGraph], str]:
+    def problem(graph: FaultGraph) -> str:
+        state, reason = graph.watch.state
+        return "" if word in reason else f"the planner says {state}: {reason}"
+
+    return problem
