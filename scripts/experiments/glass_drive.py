@@ -30,8 +30,9 @@ def follow_route(name: str, seed: int, speed: float) -> dict[str, np.ndarray]:
 
 
 def drive_world(
-    world: World, seed: int, speed: float, longest_s: float = _LONGEST_S
-) -> dict[str, np.ndarray]:
+    world: World, seed: int, speed: float, longest_s: float = _LONGEST_S,
+    patience_s: float = math.inf,
+) -> dict[str, np.ndarray]:  # fmt: skip
     """Drive the route of a world; the robot waits for people who are in its way.
 
     Args:
@@ -39,6 +40,7 @@ def drive_world(
         seed: Of every random number.
         speed: Along the route, m/s.
         longest_s: Where the drive ends at the latest.
+        patience_s: After having stood so long the robot goes on; who waits for it steps aside.
 
     Raises:
         ValueError: The world has no route, or its robot no laser or sonars.
@@ -59,7 +61,8 @@ def drive_world(
             if command is None:
                 taken.is_complete = True
                 break
-            command = STOP if _is_in_the_way(taken.pose, people) else command
+            has_patience = taken.still_s(simulation.stamp_ns) < patience_s
+            command = STOP if has_patience and _is_in_the_way(taken.pose, people) else command
             seen = simulation.step({robot: command})
             people = np.array([(p.pose.x, p.pose.y) for p in seen.ground_truth_people])
             taken.take(seen.stamp_ns, seen.robots[robot])
@@ -105,9 +108,13 @@ class _Taken:
             if not math.isnan(reading.range):  # others fired
                 self._ranges.append((stamp_ns, number, reading.range, true))
 
+    def still_s(self, stamp_ns: int) -> float:
+        """Return for how long the robot has not come on."""
+        return 1e-9 * (stamp_ns - self._moved_ns)
+
     def is_stuck(self, stamp_ns: int) -> bool:
-        """Tell whether the robot has not come on for long."""
-        return stamp_ns - self._moved_ns > _LONGEST_STILL_S * 1e9
+        """Tell whether that is too long."""
+        return self.still_s(stamp_ns) > _LONGEST_STILL_S
 
     def arrays(self) -> dict[str, np.ndarray]:
         """Return what there is as the log's fields."""

@@ -1,7 +1,8 @@
 """Office floors with glass, loops and people: poses and maps before and after closing loops.
 
-Floors are the generator's with a ring of corridors, held out from setting any value; each is driven
-twice round (about 150 m) past people who walk to and fro. Odometry slips: each wheel's radius is
+Floors are the generator's with a ring of corridors, held out from setting any value or rule (those
+were worked out on floors below 7500); each is driven twice round (about 150 m) past people who walk
+to and fro. Odometry slips: each wheel's radius is
 off by 0.3 % (deviation), 1 % of the way is lost with a deviation of 2 %. Laser as the URG-04LX:
 240 degrees, to 4 m, 1 cm and 1 % noise, 5 Hz; 16 sonars. Rows: `before` is the front end that loop
 closing starts from, `after` its poses corrected by the graph; `all_scans` is `loop_closing: false`;

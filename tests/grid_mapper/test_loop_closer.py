@@ -20,7 +20,7 @@ from grid_mapper.key_frames import KeyFrame, chain_edge
 from grid_mapper.loop_candidates import Candidate
 from grid_mapper.loop_closer import LoopCloser
 from grid_mapper.loop_config import LoopConfig
-from grid_mapper.loop_verification import agree, seen_through, verify
+from grid_mapper.loop_verification import agree, are_apart, seen_through, verify
 
 CONFIG = GridMapperConfig()
 SMALL = LoopConfig(submap_nodes=2)
@@ -68,6 +68,43 @@ def test_a_far_loop_waits_for_a_second_that_agrees(lap):
     for frame in frames:
         closer.add(frame)
     assert closer.num_loops == 0
+
+
+def test_two_loops_of_the_same_scans_are_one_witness():
+    here, T = motion(20, 50, SE2.identity(), is_loop=True), SE2.identity()
+    assert not are_apart(here, motion(20, 80, T), 6)  # the same place looks the same again
+    assert not are_apart(here, motion(50, 52, T), 6)
+    assert not are_apart(here, motion(32, 57, T), 6)
+    assert are_apart(here, motion(33, 57, T), 6) and are_apart(motion(33, 57, T), here, 6)
+
+
+def test_a_place_that_looks_like_another_is_not_believed_for_looking_so_twice():
+    """A corridor that ends as it begins: two scans of its end lie on its beginning, both wrong."""
+    corner = np.vstack([box(-1.0, -1.2, 3.0, 1.2), box(0.9, 0.6, 1.5, 1.2)])
+    walls = np.vstack([corner, moved_walls(SE2(5.0, 0.0, 0.0), corner)])
+    begin = [SE2(0.3 * k, 0.0, 0.0) for k in range(7)]
+    turns = np.linspace(0.0, 6.2, 40)
+    around = [SE2(2.0 + 10.0 * np.sin(a), 10.0 - 10.0 * np.cos(a), a) for a in turns]
+    end = [SE2(5.0 + 0.3 * k, 0.0, 0.0) for k in range(5)]
+    seen = [*begin, *around, *end]
+    frames = frames_at(seen, seen, walls)
+    closer = LoopCloser(replace(CONFIG, loop=LoopConfig(drift_m=0.2, search_distance_m=0.0)))
+    for frame in frames:
+        closer.add(frame)
+    assert closer.num_loops == 0
+
+
+def test_what_slides_along_a_wall_is_no_loop_where_the_graph_is_not_sure():
+    corridor = np.array([[-20.0, -1.0, 20.0, -1.0], [-20.0, 1.0, 20.0, 1.0]])
+    path = [SE2(0.3 * k, 0.0, 0.0) for k in range(5)]
+    frames = frames_at(path + path, path + path, corridor)
+    far, near = (
+        verify(frames, path + path, Candidate(9, 2, sigma, 0.02), SMALL, CONFIG.matcher)
+        for sigma in (0.4, 0.0)
+    )
+    assert far.edge is None and far.reason == "slides"
+    assert near.edge is not None, near.reason
+    assert near.edge.cov[0, 0] > 5.0**2 and near.edge.cov[1, 1] < 0.05**2
 
 
 def test_a_false_loop_is_taken_out_again(lap):

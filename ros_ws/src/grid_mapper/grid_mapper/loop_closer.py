@@ -11,7 +11,7 @@ from grid_mapper.config import GridMapperConfig
 from grid_mapper.frame_thinning import thinned_frames
 from grid_mapper.key_frames import Edge, KeyFrame, chain_edge
 from grid_mapper.loop_candidates import Candidate, loop_candidates, near_pairs
-from grid_mapper.loop_verification import agree, verify
+from grid_mapper.loop_verification import agree, are_apart, verify
 from grid_mapper.place_appearance import Appearances
 from grid_mapper.pose_graph import (
     FINAL_TOLERANCE,
@@ -27,8 +27,6 @@ SOLVED_DEVIATIONS, MAX_UNSOLVED = 1.0, 20
 MAX_PENDING = 20
 THINNED_EVERY = 200
 """Nodes after which older scans of one place are thrown out."""
-CONFIRM_WAY_M = 0.3
-"""Way between two loops that confirm each other, at least."""
 
 
 class LoopCloser:
@@ -139,12 +137,10 @@ class LoopCloser:
             return []
         if candidate.sigma_m <= loop.sure_sigma_m:
             return [edge]
-        way = self._ways[edge.second]
         confirmed = [
             other
             for other in self._pending
-            if way - self._ways[other.second] >= CONFIRM_WAY_M
-            and agree(other, edge, self.poses, loop)
+            if are_apart(other, edge, loop.submap_nodes) and agree(other, edge, self.poses, loop)
         ]
         if not confirmed:
             self._pending = [*self._pending, edge][-MAX_PENDING:]

@@ -62,7 +62,7 @@ class LoopConfig:
         unit="m", gt=0.0,
     )  # fmt: skip
     max_difference_m: float = param(
-        1.5,
+        1.8,
         "Where the graph is less certain than that, places whose walls are on average by more "
         "farther or nearer than here are not compared.",
         unit="m", gt=0.0,

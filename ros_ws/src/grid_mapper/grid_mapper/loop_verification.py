@@ -2,7 +2,8 @@
 
 Correlative search over the window that the graph leaves open, then the fine matcher from each
 peak. Refused is what overlaps or agrees too little, what one place sees through where the other
-has walls, what fits about as well elsewhere, and what the graph is sure is not so.
+has walls, what fits about as well elsewhere, and what the graph is sure is not so. A match that
+slides is refused where the graph does not know better, and else has no weight along its way.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ START_COV = np.diag([0.1, 0.1, 0.05]) ** 2
 """How far the fine matcher goes from a peak."""
 SEEN_THROUGH_M = 0.3
 """A beam that goes this much further than a wall contradicts it."""
-WEAK_INFORMATION = 1.0  # 1/m^2 or 1/rad^2; a direction that nothing says more of
+WEAK_INFORMATION = 1e-2  # 1/m^2 or 1/rad^2; a direction that nothing says more of
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,8 @@ def _objection(
         return "distance"
     if abs(off.yaw) > SIGMAS * candidate.sigma_rad + BASE_WINDOW[1]:
         return "turn"
+    if candidate.sigma_m > config.sure_sigma_m and best.weak_direction[0] > config.sure_sigma_m:
+        return "slides"
     quality = best.overlap * best.agreement
     for other in others:
         is_other = not is_same_peak(best.T_map_base, other.T_map_base)
@@ -156,6 +159,17 @@ def _cov(fit: MatchResult, config: LoopConfig) -> np.ndarray:
     cov = np.linalg.inv(fit.information + WEAK_INFORMATION * np.eye(3))
     floor = np.diag([config.loop_sigma_m, config.loop_sigma_m, config.loop_sigma_rad]) ** 2
     return rotated(cov, -fit.T_map_base.yaw) + floor
+
+
+def are_apart(a: Edge, b: Edge, submap_nodes: int) -> bool:
+    """Tell whether two loops are of other scans, at both ends: only then the two say more than one.
+
+    A place that looks like another looks so from the next node too, as most of its scans are the
+    same ones.
+    """
+    ends = abs(a.first - b.first), abs(a.second - b.second)
+    # The later place was the newest: of the nodes round it there were those before.
+    return ends[0] > 2 * submap_nodes and ends[1] > submap_nodes
 
 
 def agree(a: Edge, b: Edge, poses: Sequence[SE2], config: LoopConfig) -> bool:
