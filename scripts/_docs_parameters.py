@@ -17,6 +17,7 @@ from floor_perception.config import (
 from floornav_common.config import range_text
 from floornav_common.config_files import parameter_fields
 from floornav_common.frames import FrameConfig
+from floornav_common.live_view.config import LiveViewConfig
 from floornav_common.ros.node import ProcessConfig
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from multi_localizer.floor_node_config import FloorLocalizerConfig, FloorPoseConfig
@@ -65,6 +66,7 @@ NODES: dict[str, tuple[type, ...]] = {
     "multi_localizer team_localizer": (
         TeamNodeConfig, TeamTimingConfig, TeamConfig, FrameConfig, ProcessConfig,
     ),
+    "floornav_common live_view": (LiveViewConfig, FrameConfig, ProcessConfig),
     "sim_bridge sim_bridge": (SimBridgeConfig, FrameConfig, ProcessConfig),
     "sim_bridge route_follower": (RouteConfig, ProcessConfig),
     "sjmc_planner local_planner": (LocalPlannerConfig, FrameConfig, ProcessConfig),

@@ -43,6 +43,7 @@ FROM_PIP = {
     "rich": "rich",
     "rosbags": "rosbags",
     "threadpoolctl": "threadpoolctl",
+    "websockets": "websockets",
 }
 # Not on a robot by default; the code says in one line what is missing.
 OPTIONAL = {"compression", "nav2_msgs", "pybullet"}

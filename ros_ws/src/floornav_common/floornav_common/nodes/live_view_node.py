@@ -37,7 +37,7 @@ class LiveViewNode(FloornavNode):
         super().__init__("live_view")
         self._config = declare_config(self, LiveViewConfig, on_change=self._set_config)
         self._goal_pub = create_publisher(self, PoseStamped, "goal_pose", RELIABLE_QOS)
-        self.transforms  # noqa: B018, listens from now on
+        self.frames, self.transforms  # noqa: B018, declares, and listens from now on
         self._topics = LiveTopics(self, self._config)
         self._health = LiveHealth(self, self._topics, self._config.silent_after_s)
         self._server = self._serve()
