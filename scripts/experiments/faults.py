@@ -17,8 +17,11 @@ from experiments.faults_case import Fault, Row, run_fault
 from experiments.faults_graph import FaultGraph, GraphError
 from experiments.faults_rows import other_sensor_faults, scan_faults, traffic_faults
 from experiments.faults_rows_clock import clock_faults
+from experiments.faults_rows_field import camera_faults
+from experiments.faults_rows_files import file_faults
 from experiments.faults_rows_nodes import company_faults, process_faults, simulator_fault
-from experiments.faults_setups import Setup, hall
+from experiments.faults_rows_told import told_faults
+from experiments.faults_setups import Setup, field, hall
 from floornav_common.reporting import Section, Table, UserError, say
 
 _HEADS = [
@@ -32,12 +35,14 @@ def all_faults(seed: int = 0) -> dict[str, list[Fault]]:
     return {
         "hall": [
             *scan_faults(), *other_sensor_faults(), *traffic_faults(seed), *clock_faults(),
-            *company_faults(), *process_faults(), simulator_fault(),
+            *told_faults(), *company_faults(), *file_faults(seed), *process_faults(),
+            simulator_fault(),
         ],
+        "field": camera_faults(),
     }  # fmt: skip
 
 
-_SETUPS = {"hall": hall}
+_SETUPS = {"hall": hall, "field": field}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -99,8 +99,9 @@ def run_fault(graph: FaultGraph, fault: Fault) -> Row:
     """Wait until the robot drives, strike, look, mend, and wait until it drives again."""
     drive_up(graph)
     before = _before(graph)
-    struck_ns = graph.relay.now_ns
+    graph.notes["struck_ns"] = graph.relay.now_ns
     fault.strike(graph)
+    struck_ns = graph.notes["struck_ns"]  # it may have had to get ready first
     _hold(graph, fault)
     problem, end_ns = fault.check(graph), graph.relay.now_ns
     due_ns = _due(graph, fault, struck_ns)

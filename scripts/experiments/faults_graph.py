@@ -191,7 +191,7 @@ class FaultGraph:
         return sum(log.read_text(errors="replace").count("Traceback") for log in logs)
 
     def _check(self) -> None:
-        for name in self.setup.nodes:
+        for name in self._starts:
             if name not in self.expected_dead and self.children.exit_code(name) is not None:
                 tail = self.children.tail(name)
                 raise GraphError(f"{name} ended by itself; its last lines:\n{tail}")
@@ -204,7 +204,8 @@ class FaultGraph:
             "clock_period_s": str(_CLOCK_PERIOD_S),
         }  # fmt: skip
         words = [word for key, value in told.items() for word in ("-p", f"{key}:={value}")]
-        for topic in {*self.relay.passed, *stereo_topics(self.model)}:
+        stereo = stereo_topics(self.model) if self.setup.relays_stereo else ()
+        for topic in {*self.relay.passed, *stereo}:
             words += ["-r", f"{topic}:={raw_name(topic)}"]
         return [sys.executable, "-m", "sim_bridge.nodes.sim_bridge_node", "--ros-args", *words]
 

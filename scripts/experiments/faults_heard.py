@@ -13,6 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
+from stereo_msgs.msg import DisparityImage
 
 from experiments.faults_judge import DriveRecord, Moved
 from experiments.faults_relay import FaultRelay
@@ -114,6 +115,11 @@ class FaultWatch(Node):
                 return math.hypot(found.x - true.x, found.y - true.y)
         return None
 
+    def count_disparities(self) -> None:
+        """Count the stereo matcher's answers from now on."""
+        for pair in ("front", "rear"):
+            self._hear(DisparityImage, f"stereo/{pair}/disparity", self._on_disparity, _DEEP)
+
     def _hear(self, kind: type, topic: str, take: Any, qos: Any) -> None:
         def on_message(msg: Any) -> None:
             self.counts[topic] = self.counts.get(topic, 0) + 1
@@ -154,6 +160,9 @@ class FaultWatch(Node):
 
     def _on_path(self, msg: Any) -> None:
         self._has_way |= bool(msg.poses)
+
+    def _on_disparity(self, _msg: Any) -> None:
+        self.counts["disparity"] = self.counts.get("disparity", 0) + 1
 
     def _on_free_space(self, msg: Any) -> None:
         self.free_space = msg

@@ -28,6 +28,7 @@ class Setup:
         world: Name or file of its world.
         nodes: That run, the simulator left out.
         topics: That go through the relay.
+        relays_stereo: Whether images of stereo pairs do so, once asked for.
         frame: Of the goals.
         goals: To go through, in the world, shape (N, 2), m.
         speed: The robot drives from this true speed on, m/s.
@@ -52,6 +53,7 @@ class Setup:
     scan_topic: str
     write: Callable[[Path, World, RobotModel], Path]
     command: Callable[[str, Path], list[str]]
+    relays_stereo: bool = False
 
     def load(self) -> tuple[World, RobotModel, SE2]:
         """Return the world, its robot, and where the robot starts."""
@@ -69,7 +71,7 @@ def hall() -> Setup:
         nodes=("grid_mapper", "wavefront_planner", "local_planner", "floor_detector"),
         topics=(*_BASICS, "scan", "sonar"), frame="map", goals=np.array(goals.points_m),
         speed=0.3, room_m=2.4, decel=0.6, has_map=True, scan_topic="scan",
-        write=write_settings, command=node_command,
+        write=write_settings, command=node_command, relays_stereo=True,
     )  # fmt: skip
 
 
