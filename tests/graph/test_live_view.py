@@ -23,9 +23,9 @@ NODE = (
 )  # fmt: skip
 
 
-def begin(start, *words: str) -> tuple[Any, str]:
+def begin(start, *words: str, port: int = 0) -> tuple[Any, str]:
     """Return a running node and the address that it says."""
-    node = start(*NODE, "-p", "port:=0", *words)
+    node = start(*NODE, "-p", f"port:={port}", *words)
     line = node.wait_for("in a browser on this machine", 120.0)
     return node, re.search(r"http://\S+", line).group()
 

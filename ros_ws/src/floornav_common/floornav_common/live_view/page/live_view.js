@@ -4,8 +4,8 @@
 const $ = (id) => document.getElementById(id);
 const LEVELS = ["OK", "WARN", "ERROR", "STALE"];
 const LAYERS = {  // name: [title, color]; drawn in this order
-  map: ["map", "#dfe5ec"], trajectory: ["way so far", "#8d7bd8"], sonar: ["sonars", "#e8a33d"],
-  ways: ["ways weighed", "#9aa7b5"], zones: ["zones", "#d99a00"], glass: ["glass", "#00b4d8"],
+  map: ["map", "#f7f9fb"], trajectory: ["way so far", "#8d7bd8"], sonar: ["sonars", "#d98a1f"],
+  ways: ["ways weighed", "#9aa7b5"], zones: ["zones", "#a86b00"], glass: ["glass", "#00b4d8"],
   scan: ["scan", "#e5383b"], path: ["path", "#2f6fed"], people: ["people", "#d6249f"],
   robot: ["robot", "#2a3f9d"], goal: ["goal", "#1f9d55"],
 };
@@ -71,7 +71,7 @@ function paint(data, isGlass) {  // 0 unknown, else 1 + occupancy
       data[i + 3] = 0;
     } else {
       const mix = (free, wall) => free + (wall - free) * occupied;
-      data[i] = mix(236, 28); data[i + 1] = mix(240, 36); data[i + 2] = mix(244, 48);
+      data[i] = mix(247, 28); data[i + 1] = mix(249, 36); data[i + 2] = mix(251, 48);
     }
   }
 }
@@ -170,7 +170,7 @@ const DRAW = {
       ctx.moveTo(x, y);
       ctx.arc(x, y, reach, yaw - opening / 2, yaw + opening / 2);
       ctx.closePath();
-      ctx.fillStyle = echo ? "rgba(232,163,61,.20)" : "rgba(232,163,61,.05)";
+      ctx.fillStyle = echo ? "rgba(232,163,61,.16)" : "rgba(232,163,61,.04)";
       ctx.fill();
       if (!echo) continue;
       ctx.beginPath();
