@@ -107,6 +107,23 @@ def test_a_broken_map_file_is_refused_with_the_reason(tmp_path, text, message):
         load_map(tmp_path / "m.yaml")
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [("resolution", ".nan", "resolution must be a number, got nan"),
+     ("resolution", "fine", "resolution must be a number, got 'fine'"),
+     ("origin", "[0.0]", "origin must be 3 numbers"),
+     ("origin", "[.inf, 0, 0]", "origin must be 3 numbers"),
+     ("origin", "3", "origin must be 3 numbers, got 3"),
+     ("free_thresh", ".nan", "free_thresh must be a number")],
+)  # fmt: skip
+def test_a_key_that_is_no_number_is_refused_by_its_name(tmp_path, key, value, message):
+    path = save_map(tmp_path / "m", a_map())
+    kept = [line for line in path.read_text().splitlines() if not line.startswith(f"{key}:")]
+    path.write_text("\n".join([*kept, f"{key}: {value}"]))
+    with pytest.raises(ValueError, match=message):
+        load_map(path)
+
+
 def test_bad_arguments_are_named(tmp_path):
     with pytest.raises(ValueError, match="mode"):
         save_map(tmp_path / "m", a_map(), mode="grey")

@@ -98,7 +98,7 @@ def load_map(path: Path | str) -> OccupancyMap:
 
     Raises:
         FileNotFoundError: If one of the two is not there.
-        ValueError: If a key is missing, or the image cannot be read.
+        ValueError: If a key is missing or no finite number, or the image cannot be read.
     """
     path = Path(path)
     header = yaml.safe_load(path.read_text())
@@ -113,9 +113,27 @@ def load_map(path: Path | str) -> OccupancyMap:
     image = cv2.imread(str(image_path), cv2.IMREAD_UNCHANGED)
     if image is None:
         raise ValueError(f"{image_path} cannot be read as an image")
-    origin = [float(v) for v in header["origin"]]
-    cells = _from_image(image[::-1], header)
-    return OccupancyMap(cells, float(header["resolution"]), SE2(origin[0], origin[1], origin[-1]))
+    x, y, yaw = _numbers(path, "origin", header["origin"], 3)
+    (resolution,) = _numbers(path, "resolution", [header["resolution"]], 1)
+    for name in ("occupied_thresh", "free_thresh"):
+        _numbers(path, name, [header.get(name, 0.5)], 1)
+    return OccupancyMap(_from_image(image[::-1], header), resolution, SE2(x, y, yaw))
+
+
+def _numbers(path: Path, name: str, value: Any, num: int) -> list[float]:
+    """Return the numbers of a key.
+
+    Raises:
+        ValueError: If they are not so many finite numbers.
+    """
+    try:
+        numbers = [float(v) for v in value]
+    except (TypeError, ValueError):
+        numbers = []
+    if len(numbers) != num or not np.isfinite(numbers).all():
+        wanted, got = ("a number", value[0]) if num == 1 else (f"{num} numbers", value)
+        raise ValueError(f"{path}: {name} must be {wanted}, got {got!r}")
+    return numbers
 
 
 def _to_image(cells: np.ndarray, mode: str) -> np.ndarray:
