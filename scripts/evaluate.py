@@ -48,6 +48,7 @@ EXPERIMENTS = {
     "people-tracking": "people followed from scans beside the truth, and false movers",
     "crowd": "every planning method, ORCA and DWA among people who react: [--people FILE ...]",
     "faults": "what goes wrong in the running graph: safe, how soon it stands, how soon it drives",
+    "soak": "the flat on a day for long: memory, exceptions, touches: [--minutes M]",
     "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
 }
 

@@ -38,8 +38,9 @@ class Fault:
         hold_s: How long it lasts, simulated.
         has_time: False where the simulator's time stands still: then it is real time.
         limit_s: The limit on silence after which the robot must stop.
-        topic: Whose last message before the fault, or first changed one, the time to a stop
-            is counted from; "" = from the strike.
+        topic: Whose last message before the fault (with a limit) or first changed one the time
+            to a stop is counted from; "" = from the strike.
+        is_first_good: Whether the first changed one is still good, and the limit counts from it.
         check: Looks before it ends; gives what is wrong, "" for nothing.
         after: Looks when the robot drives again; gives what is wrong.
     """
@@ -54,6 +55,7 @@ class Fault:
     has_time: bool = True
     limit_s: float = 0.0
     topic: str = ""
+    is_first_good: bool = False
     check: Callable[[FaultGraph], str] = _no_problem
     after: Callable[[FaultGraph], str] = _no_problem
 
@@ -168,9 +170,11 @@ def _due(graph: FaultGraph, fault: Fault, struck_ns: int) -> int:
     if not fault.topic:
         return struck_ns + round(fault.limit_s * 1e9)
     passed = graph.relay.passed[fault.topic]
-    if fault.limit_s:
-        return passed.last_ns + round(fault.limit_s * 1e9)
-    return struck_ns if passed.changed_ns is None else passed.changed_ns
+    changed_ns = struck_ns if passed.changed_ns is None else passed.changed_ns
+    if not fault.limit_s:
+        return changed_ns
+    last_ns = changed_ns if fault.is_first_good else passed.last_ns
+    return last_ns + round(fault.limit_s * 1e9)
 
 
 def _recovery(graph: FaultGraph, end_ns: int) -> float | None:

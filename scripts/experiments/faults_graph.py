@@ -34,7 +34,7 @@ _KINDS = {
 }  # fmt: skip
 _READY_S = 600.0  # the first time kernels are compiled, maybe on a busy machine
 _STANDS_STILL_S = 240.0  # real time without simulated time going on
-_CLOCK_PERIOD_S, _PACE_LAG_S, _PACE_TIMEOUT_S = 0.01, 0.07, 1.0
+_CLOCK_PERIOD_S, _PACE_LAG_S, _PACE_TIMEOUT_S = 0.01, 0.06, 1.0
 
 
 class GraphError(RuntimeError):

@@ -45,6 +45,8 @@ class FaultWatch(Node):
         known_cells: Of the newest map.
         free_space: The newest.
         num_goals_again: How often a goal had to be sent once more.
+        goal_limit_s: A goal not reached in this time is left for the next.
+        num_left: How many were left.
     """
 
     def __init__(self, relay: FaultRelay, goals: np.ndarray, frame: str) -> None:
@@ -58,9 +60,10 @@ class FaultWatch(Node):
         self.counts: dict[str, int] = {}
         self.known_cells = self.num_goals_again = self.number = 0
         self.free_space: Any = None
+        self.goal_limit_s, self.num_left = math.inf, 0
         self.sends_goals = True
         self._progress, self._has_way = GoalProgress(), False
-        self._sent_ns = -_AGAIN_NS
+        self._sent_ns, self._since_ns = -_AGAIN_NS, 0
         self._goal_pub = self.create_publisher(PoseStamped, "goal_pose", RELIABLE_QOS)
         for kind, topic, take, qos in (
             (Odometry, "ground_truth/odom", self._on_truth, _DEEP),
@@ -93,6 +96,9 @@ class FaultWatch(Node):
         """Send the goal if it is time; to be called often."""
         now_ns = self._relay.now_ns
         is_idle = not self._has_way or self._progress.is_idle
+        if now_ns - self._since_ns > self.goal_limit_s * 1e9:
+            self.num_left += 1
+            self._next()
         if self.sends_goals and is_idle and now_ns - self._sent_ns >= _AGAIN_NS:
             self.num_goals_again += self._sent_ns > 0
             self.send_goal()
@@ -147,9 +153,11 @@ class FaultWatch(Node):
         self.state = said.get("state", ""), said.get("reason", "")
         self._progress.update(*self.state)
         if self._has_way and self._progress.is_reached:
-            self.number += 1
-            self._sent_ns = -_AGAIN_NS
-            self._has_way = False
+            self._next()
+
+    def _next(self) -> None:
+        self.number += 1
+        self._sent_ns, self._since_ns, self._has_way = -_AGAIN_NS, self._relay.now_ns, False
 
     def _on_diagnostics(self, msg: Any) -> None:
         for status in msg.status:

@@ -40,13 +40,13 @@ def scan_faults() -> list[Fault]:
         Fault(
             name="scan-frozen", what="the same scan again and again, with its old stamp",
             kind=HALT, topic="scan", limit_s=INPUT_S, expected=late,
-            **changing("scan", lambda: Freeze(keeps_stamp=True)),
+            is_first_good=True, **changing("scan", lambda: Freeze(keeps_stamp=True)),
         ),
         Fault(
             name="scan-stuck", what="the same ranges again and again, with new stamps",
             kind=HALT, topic="scan", limit_s=INPUT_S,
             expected="zero once the robot has moved and 0.5 s brought no other range",
-            **changing("scan", lambda: Freeze(keeps_stamp=False)),
+            is_first_good=True, **changing("scan", lambda: Freeze(keeps_stamp=False)),
         ),
         Fault(
             name="nan-ranges", what="every range is NaN: nothing is seen", kind=BRAKE, topic="scan",

@@ -33,7 +33,7 @@ def camera_faults() -> list[Fault]:
         Fault(
             name="image-frozen", what="the same image again and again, with its old stamp",
             kind=HALT, topic=_IMAGE, limit_s=_LATE_S, expected=late,
-            **changing(_IMAGE, lambda: Freeze(keeps_stamp=True)),
+            is_first_good=True, **changing(_IMAGE, lambda: Freeze(keeps_stamp=True)),
         ),
         Fault(
             name="image-black", what="the image is black", kind=BRAKE, topic=_IMAGE,
