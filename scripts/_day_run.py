@@ -29,6 +29,7 @@ from _day_robot import USUAL, pilot_of
 from _day_watch import DayWatch
 from _demo_domain import refuse_other_clock
 from _demo_watch import Liveness
+from _live_view import start_live_view
 from _processes import ChildDiedError, Processes
 from _saying import saying
 from _watched import watched
@@ -128,6 +129,8 @@ class Day:
         for name in self._names:
             with saying(f"waiting for {name} ...", is_quiet=True):
                 children.wait_for_line(name, "ready", _START_TIMEOUT_S, spin)
+        if self._args.live:
+            start_live_view(children, self._out / "logs", self._model, spin)
         refuse_other_clock(watch, 0)
         simulator = simulator_command(self._args, self._names, self._has_window)
         children.start("sim_bridge", simulator)

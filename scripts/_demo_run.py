@@ -17,6 +17,7 @@ from _demo_pictures import write_first_images, write_overview, write_pictures
 from _demo_report import figures, in_world, write_report, write_tum
 from _demo_surface import visible_surface
 from _demo_watch import DemoWatch, Heard, Liveness
+from _live_view import start_live_view
 from _processes import ChildDiedError, Processes
 from _saying import saying
 from _watched import watched
@@ -109,6 +110,8 @@ class Demo:
         ):
             with saying(f"waiting for {name}: {doing} ...", is_quiet=is_quiet):
                 children.wait_for_line(name, "ready", _START_TIMEOUT_S, spin)
+        if self._args.live:
+            start_live_view(children, self._out / "logs", load_robot(self._world.robots[0]), spin)
         refuse_other_clock(watch, 0)
         children.start("sim_bridge", self._commands()["sim_bridge"])
         with saying("waiting for sim_bridge: loading the world ...", is_quiet=is_quiet):

@@ -67,6 +67,8 @@ def main() -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     has_window = _has_window(args)
+    if args.live and (args.world == "field" or (world.goals is None and world.route is None)):
+        raise UserError(f"--live: nobody maps in {args.world}, so there is nothing to show")
     for oddity in oddities(world):
         say(f"look: {oddity}", is_quiet=args.quiet)
     from _demo_domain import join_domain
@@ -170,6 +172,8 @@ def _parser() -> argparse.ArgumentParser:
     window.add_argument("--headless", action="store_true", help="no window (default: no display)")
     window.add_argument("--view", action="store_true", help="show pybullet's window")
     text = "a figure that the world file names, such as start_distance_m=4.7; may be repeated"
+    text = "show the robot in a browser while it drives (with goals or a route)"
+    parser.add_argument("--live", action="store_true", help=text)
     parser.add_argument("--set", action="append", metavar="NAME=VALUE", default=[], help=text)
     text = (
         "stop after so many simulated seconds (default: at the last goal, the route's end, or 20)"

@@ -51,8 +51,9 @@ def _run(*words: str) -> tuple[int, str]:
 
 def test_a_short_run_leaves_all_its_results(tmp_path: Path) -> None:
     words = ("furnished_floor", "--duration", "10", "--seed", "3", "--out", str(tmp_path / "out"))
-    code, text = _run(*words)
+    code, text = _run(*words, "--live")
     assert code == 0, text
+    assert "live view: open http://127.0.0.1:" in text
     out = tmp_path / "out"
     summary = json.loads((out / "summary.json").read_text())
     assert set(KEYS) <= set(summary)
@@ -140,6 +141,16 @@ def test_a_world_without_a_route_is_driven_and_pictured(tmp_path: Path) -> None:
     for name in ("plan.png", "world.png", "report.html"):
         assert (out / name).stat().st_size > 1000, name
     assert (out / summary["bag"] / "metadata.yaml").exists()
+
+
+def test_a_live_view_where_nobody_maps_is_refused_before_anything_is_written(
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "out"
+    code, text = _run("field", "--live", "--out", str(out))
+    assert code == 2
+    assert text.count("\n") == 1 and "--live: nobody maps in field" in text
+    assert not out.exists()
 
 
 def test_an_unknown_figure_of_a_world_is_one_line() -> None:
