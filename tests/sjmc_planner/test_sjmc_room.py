@@ -28,7 +28,7 @@ FAR = (1.8, -1.2, 0.0, -0.6)  # walks away
 
 
 def room(
-    *people: tuple[float, float, float, float], behind: float = BEHIND, command=STILL,
+    *people: tuple[float, float, float, float], behind: float = BEHIND, is_backing: bool = False,
     half_view: float = math.pi, robot: RobotConfig = ROBOT,
 ):  # fmt: skip
     rows = np.array([(*person, RADIUS) for person in people])
@@ -40,8 +40,8 @@ def room(
     scene = Scene(ends, none, none, rows, np.arange(len(rows)), is_moving)
     sight = Foresight(robot, box_of(robot), 0.15, 2.5)
     stands = sight.look(STILL, 0.0, 0.0, 0.0, none, rows)
-    state = RobotState(STILL, command)
-    return make_room(state, scene, sight, stands, behind, robot, CONFIG.sjmc)
+    state = RobotState(STILL)
+    return make_room(state, scene, sight, stands, behind, robot, CONFIG.sjmc, is_backing)
 
 
 def test_it_backs_before_who_cuts_its_corner_as_far_as_it_came() -> None:
@@ -95,7 +95,7 @@ def test_among_several_it_backs_no_faster_than_slowly() -> None:
 def test_once_it_backs_a_small_gain_is_enough_to_go_on() -> None:
     slight = (0.62, 0.8, 0.0, -0.8)
     assert room(slight, behind=0.03) is None
-    goes_on = room(slight, behind=0.03, command=Velocity(-0.5, 0.0, 0.0))
+    goes_on = room(slight, behind=0.03, is_backing=True)
     assert goes_on is not None and goes_on[0] < 0.0
 
 

@@ -1,25 +1,20 @@
 """SJMC with people told apart: who is in the way, where they go, and whether they make room.
 
 The questions are the thesis's (Fig. 3.3): may the course to the target be kept, must an obstacle be
-avoided, is the target reached (asked first here, which in a loop is the same but for its start).
-What the thesis had to leave out is measured by tracks of people: v_ox, v_oy and t_avoid of eq. 3.5
-and 3.7, per person. Beyond it:
+avoided, is the target reached (asked first here; in a loop the same). Tracks of people give what it
+left out: v_ox, v_oy and t_avoid, per person. Beyond it:
 - t_aware shrinks with the distance, and a person counts as not yielding once standing in the way
   where eq. 3.5 leaves no speed to speak of; things (wide and standing) are never waited for;
-- who walks through D is waited for, also inside L_DANGER, as long as the robot can still stop; a
-  time-out ends waiting for one person;
-- a course is only driven at a speed from which braking keeps clear of things, and of people as they
-  are foreseen; of two sides the one taken first is kept until the target's course is open again;
-- who would come too near even if the robot stopped is met by backing on the own way, or by turning
-  away while there is time.
+- who walks through D is waited for, also inside L_DANGER, while the robot can stop, up to a time;
+- a course is driven at a speed from which braking keeps clear of things and of people as foreseen;
+  of two sides the one taken first is kept until the target's course is open again;
+- who would come too near even if it stopped is met by backing, or by turning away in time.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-
-import numpy as np
 
 from sjmc_planner.config import RobotConfig
 from sjmc_planner.limited_motion import stopping_speed
@@ -62,8 +57,9 @@ _SHARES = (1.0, 0.75, 0.5, 0.3, 0.15)  # of a course's speed, tried in turn
 _LOOKS = (1.0, 0.5, 0.25)  # of look_m
 _MOST = 24  # courses looked along with each
 _SLOW, _HELD, _HELD_SHARE = 0.03, 0.1, 0.9  # m/s
-_BACK = -0.15  # m/s
-_CREEP = 0.2
+_BACK, _CREEP = -0.15, 0.2  # m/s
+_SHARE_BACK = 0.5  # of the distance to things: the way that it came has it still
+_WISHES = 3  # in a row to turn away: till then it brakes, as turns that end at once do not
 
 
 class Sjmc:
@@ -90,7 +86,8 @@ class Sjmc:
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
         self._retreat = Retreat(config, cycle.period)
         self._side = 0
-        self._has_minded = False
+        self._has_minded = self._is_backing = False
+        self._num_wished = 0
 
     def decide(
         self, state: RobotState, obstacles: Obstacles, goal: Goal, *, has_debug: bool = False
@@ -109,13 +106,18 @@ class Sjmc:
             self._patience.judge(int(scene.number[ahead.who]))
             is_judged[ahead.who] = True
             moment = self._moments.of(state, goal, scene, is_judged)
+        num_wished = self._num_wished
         decision = self._on_course(moment) or self._around(moment)
+        if self._num_wished == num_wished:
+            self._num_wished = 0
         if self._retreat.is_due(decision):
             decision = self._back_out(moment) or decision
         if decision is None:
             decision = self._stuck(moment)
-        debug = self._moments.debug(moment, decision.command) if has_debug else None
-        return decision if debug is None else replace(decision, debug=debug)
+        self._is_backing = decision.state == BACKING
+        if not has_debug:
+            return decision
+        return replace(decision, debug=self._moments.debug(moment, decision.command))
 
     def _on_course(self, moment: Moment) -> Decision | None:
         """Return the straight run, waiting included; None if something stands in its way."""
@@ -128,26 +130,35 @@ class Sjmc:
             if moment.free[0] == math.inf:
                 self._side = 0
             is_slowed = speed < 0.9 * moment.fastest and len(moment.scene.people) > 0
-            if speed < min(_HELD, _HELD_SHARE * beside) and self._has_waited(ahead, moment)[1]:
+            is_held = speed < min(_HELD, _HELD_SHARE * beside)
+            if is_held and self._patience.wait_for(ahead, moment.scene)[1]:
                 return None
             reason = "slower for a person" if is_slowed else ""
             return Decision(self._command(course, speed), DRIVING, reason)
         if not (moment.is_met or self._moments.is_clear(seen, moment)):
-            room = make_room(
-                moment.state, moment.scene, self._foresight, seen, self._retreat.behind,
-                self._robot, self._config,
-            )  # fmt: skip
-            if room is not None:
-                command, course = room
-                if command < 0.0:
-                    return Decision(Velocity(command, 0.0, 0.0), BACKING, "makes room for a person")
-                return Decision(self._command(course, command), TURNING, "out of a person's way")
+            made = self._make_room(seen, moment)
+            if made is not None:
+                return made
         if len(moment.scene.people) == 0:
             return None
-        waited, is_out = self._has_waited(ahead, moment)
+        waited, is_out = self._patience.wait_for(ahead, moment.scene)
         if is_out:
             return None
         return Decision(STILL, WAITING, f"waiting for a person, {waited:.1f} s")
+
+    def _make_room(self, seen: Foreseen, moment: Moment) -> Decision | None:
+        """Return how to give way to who would come too near even if it stopped."""
+        args = moment.state, moment.scene, self._foresight, seen, self._retreat.behind
+        room = make_room(*args, self._robot, self._config, self._is_backing)
+        if room is None:
+            return None
+        speed, course = room
+        if speed < 0.0:
+            return Decision(Velocity(speed, 0.0, 0.0), BACKING, "makes room for a person")
+        self._num_wished += 1
+        if self._num_wished < _WISHES:
+            return None
+        return Decision(self._command(course, speed), TURNING, "out of a person's way")
 
     def _around(self, moment: Moment) -> Decision | None:
         """Return the turning run; None if no course is open."""
@@ -184,10 +195,15 @@ class Sjmc:
 
     def _back_out(self, moment: Moment) -> Decision | None:
         """Return how to back out of where it is stuck; None where that is not safe."""
-        now, scene = moment.state.velocity, moment.scene
-        seen = self._foresight.look(now, 0.0, _BACK, self._cycle.period, scene.solids, scene.people)
-        if self._unicycle is not None and self._moments.is_clear(seen, moment):
-            return Decision(Velocity(_BACK, 0.0, 0.0), BACKING, "no course is open")
+        now, scene, place = moment.state.velocity, moment.scene, self._retreat.place
+        around = scene.solids, scene.people
+        seen = self._foresight.look(now, 0.0, _BACK, self._cycle.period, *around)
+        there = self._foresight.gaps(*around, (place.x, place.y, place.yaw))
+        is_free = there.thing_gap >= _SHARE_BACK * min(self._robot.margin_m, moment.now.thing_gap)
+        people = min(seen.people_gap, there.people_gap)
+        is_safe = is_free and self._moments.is_clear(replace(moment.now, people_gap=people), moment)
+        if self._unicycle is not None and is_safe:
+            return Decision(self._retreat.back(_BACK), BACKING, "no course is open")
         self._retreat.end()
         return None
 
@@ -206,7 +222,7 @@ class Sjmc:
         """Return how fast it may come up to who stands beside a course, m/s."""
         known = self._patience.known(moment.scene)
         args = moment.scene, known, self._box.front, self._half, self._config
-        bound, _ = bystander_in_reach(course, *args)
+        bound, _ = bystander_in_reach(course, *args, self._patience.is_spent)
         if bound < moment.fastest:
             self._has_minded = True
         return bound
@@ -227,18 +243,6 @@ class Sjmc:
             if self._moments.is_clear(seen, moment):
                 return share * most, seen
         return 0.0, moment.braked
-
-    def _has_waited(self, ahead: InTheWay, moment: Moment) -> tuple[float, bool]:
-        """Wait for the person ahead, or the nearest; return for how long, and if that is it."""
-        people = moment.scene.people
-        if not len(people):
-            return 0.0, False  # it is slow for a thing
-        who = ahead.who if ahead.who >= 0 else int(np.argmin(np.hypot(people[:, 0], people[:, 1])))
-        number = int(moment.scene.number[who])
-        waited = self._patience.wait(number)
-        if self._patience.is_out(waited):
-            self._patience.judge(number)
-        return waited, self._patience.is_out(waited)
 
     def _command(self, course: float, speed: float) -> Velocity:
         if self._unicycle is not None:

@@ -47,8 +47,8 @@ class SjmcConfig:
         le=60.0,
     )  # fmt: skip
     bystander_patience_s: float = param(
-        9.0, "For so long in all, of which a tenth of the time without is regained; then it does "
-        "not mind them.", unit="s", ge=0.0,
+        9.0, "For so long in all, of which a tenth of the time without is regained; then it "
+        "minds them only within `bystander_line_m`.", unit="s", ge=0.0,
         le=60.0,
     )  # fmt: skip
     person_width_m: float = param(
@@ -59,12 +59,16 @@ class SjmcConfig:
         0.9, "Who stands this near beside the way may step into it: it comes up slowly.",
         unit="m", ge=0.0, le=3.0,
     )  # fmt: skip
+    bystander_line_m: float = param(
+        1.0, "Up to this distance between its front and such a person's body: who then steps out "
+        "can still be met by backing.", unit="m", ge=0.0, le=10.0,
+    )  # fmt: skip
     bystander_s: float = param(
-        1.4, "How slowly: it would take this long to L_DANGER before such a person; 0 = no "
-        "regard.", unit="s", ge=0.0, le=10.0,
+        1.4, "How slowly: it would take this long to `bystander_line_m`; 0 = no regard.",
+        unit="s", ge=0.0, le=10.0,
     )  # fmt: skip
     bystander_end_m_s: float = param(
-        0.05, "And no slower than this: at L_DANGER it can only just back before who steps out.",
+        0.05, "And no slower than this: at that line it can only just back before who steps out.",
         unit="m/s", ge=0.0, le=1.0,
     )  # fmt: skip
     bystander_pass_m_s: float = param(

@@ -24,7 +24,8 @@ _LEAVES_S = 4.0  # who takes longer to leave D does not leave it
 _YIELDS = 0.3  # m/s: who was judged and goes this fast is given another chance
 _LEAVING = 0.2  # m/s
 _REGAIN = 0.1  # of the time without: regained of what bystanders took
-_PAST_LINE = 0.17  # m: so far beyond L_DANGER who stands beside the way has let it come
+_PAST_LINE = 0.17  # m: so far beyond the line who stands beside the way has let it come
+_BRISK_S = 0.8  # to the line, once patience with bystanders is spent
 _RESTS_S = 1.0  # without being in the way: patience is whole again
 
 
@@ -103,9 +104,12 @@ def _in_the_way(course, people, is_moving, is_judged, front, half, zones):  # ty
 
 def bystander_in_reach(
     course: float, scene: Scene, is_known: np.ndarray, front: float, half: float,
-    config: SjmcConfig,
+    config: SjmcConfig, is_spent: bool = False,
 ) -> tuple[float, int]:  # fmt: skip
     """Return how fast to come up to who stands beside D and may step into it, and who that is.
+
+    The distance is from the robot's front to the body, whichever way: who is as far off is as soon
+    before the robot, also when the robot has drifted to the other side of its way.
 
     Args:
         course: Bearing, rad.
@@ -114,6 +118,7 @@ def bystander_in_reach(
         front: How far the robot reaches ahead of its base, m.
         half: Half of the width of D, m.
         config: `bystander_*`.
+        is_spent: Whether patience with bystanders is: then it comes up to the line faster.
 
     Returns:
         m/s, inf for nobody; the row of the person, -1 for nobody.
@@ -121,26 +126,29 @@ def bystander_in_reach(
     if config.bystander_s == 0.0:
         return math.inf, -1
     args = course, scene.people, scene.is_moving, is_known, front, half, config.bystander_m
-    along, who = _beside(*args)
+    gap, who = _beside(*args)
     if who < 0:
         return math.inf, -1
-    room = along - config.danger_m
+    room = gap - config.bystander_line_m
     if room < -_PAST_LINE:
         return config.bystander_pass_m_s, who
+    if is_spent and room > 0.0:
+        return config.bystander_pass_m_s + room / _BRISK_S, who
     return max(room / config.bystander_s, config.bystander_end_m_s), who
 
 
 @numba.njit(cache=True, nogil=True)
 def _beside(course, people, is_moving, is_known, front, half, reach):  # type: ignore[no-untyped-def]
-    """Return how far ahead the nearest bystander is, and its row; inf and -1 for nobody."""
+    """Return how far from the front the nearest bystander is, and its row; inf, -1 for nobody."""
     c, s = math.cos(course), math.sin(course)
     nearest, who = np.inf, -1
     for i in range(len(people)):
         x, y, r = people[i, 0], people[i, 1], people[i, 4]
-        along, beside = c * x + s * y - front - r, abs(c * y - s * x) - half - r
-        is_there = along > 0.0 and 0.0 < beside < reach
-        if is_there and not is_moving[i] and not is_known[i] and along < nearest:
-            nearest, who = along, i
+        ahead, aside = c * x + s * y - front, abs(c * y - s * x) - half
+        is_there = ahead > r and r < aside < reach + r
+        gap = math.hypot(ahead, aside) - r
+        if is_there and not is_moving[i] and not is_known[i] and gap < nearest:
+            nearest, who = gap, i
     return nearest, who
 
 
@@ -190,9 +198,12 @@ class Patience:
 
     def known(self, scene: Scene) -> np.ndarray:
         """Return who stands beside the way and is not minded, shape (N,), bool."""
-        if self._spent >= self._config.bystander_patience_s:
-            return np.ones(len(scene.number), dtype=bool)
         return _are_in(scene.number, self._harmless | self._judged)
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether it came up slowly to bystanders for long enough."""
+        return self._spent >= self._config.bystander_patience_s
 
     def mind(self, has_minded: bool) -> None:
         """Take note whether it came up slowly to a bystander for one period."""
@@ -202,6 +213,18 @@ class Patience:
     def judge(self, number: int) -> None:
         """Expect no more of a person."""
         self._judged.add(number)
+
+    def wait_for(self, ahead: InTheWay, scene: Scene) -> tuple[float, bool]:
+        """Wait for the person ahead, or the nearest; return for how long, and if that is it."""
+        people = scene.people
+        if not len(people):
+            return 0.0, False  # it is slow for a thing
+        who = ahead.who if ahead.who >= 0 else int(np.argmin(np.hypot(people[:, 0], people[:, 1])))
+        number = int(scene.number[who])
+        waited = self.wait(number)
+        if self.is_out(waited):
+            self.judge(number)
+        return waited, self.is_out(waited)
 
     def wait(self, number: int) -> float:
         """Wait for a person one period more; return how long it waited so far, s."""

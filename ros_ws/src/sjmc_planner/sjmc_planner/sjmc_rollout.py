@@ -19,6 +19,7 @@ from sjmc_planner.unicycle_motion import _ahead, _step
 
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _DT = 0.1
+_HERE = (0.0, 0.0, 0.0)
 _BEYOND = 0.6  # farther than this from where it may come nothing counts, m
 
 
@@ -78,9 +79,11 @@ class Foresight:
         )  # fmt: skip
         return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
 
-    def gaps(self, things: np.ndarray, people: np.ndarray) -> Foreseen:
-        """Return the distances of now."""
-        here = (0.0, 0.0, 0.0, 0.0, 0.0)
+    def gaps(
+        self, things: np.ndarray, people: np.ndarray, at: tuple[float, float, float] = _HERE
+    ) -> Foreseen:
+        """Return the distances of now, or if the robot were at x, y, yaw."""
+        here = (*at, 0.0, 0.0)
         found = _gaps(here, self._box, 0.0, things, people, np.inf, np.inf, 0.0)
         return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
 

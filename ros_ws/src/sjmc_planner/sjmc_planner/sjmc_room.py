@@ -33,6 +33,7 @@ def make_room(
     behind: float,
     robot: RobotConfig,
     config: SjmcConfig,
+    is_backing: bool = False,
 ) -> tuple[float, float] | None:
     """Return the speed and the course that make room; None for standing still.
 
@@ -44,11 +45,12 @@ def make_room(
         behind: How far it may back, m.
         robot: Its limits.
         config: Clearances and times.
+        is_backing: Whether it was decided to back already, whatever the robot does as yet.
     """
     now, fastest = state.velocity, robot.speed_m_s
     things = foresight.within_reach(now, fastest, scene.solids, _HOLD_S)
     people = foresight.may_meet(now, fastest, scene.people, _HOLD_S)
-    gain = _GAIN_ON if state.command.x < 0.0 else _GAIN
+    gain = _GAIN_ON if is_backing else _GAIN
     best, chosen = max(standing.people_gap + gain, _HOPELESS), None
     for speed in _BACK if scene.num_walking <= 1 else _BACK[:1]:
         if behind <= 0.02:
