@@ -3,8 +3,10 @@
 The drive is that of `loop-drives` (66 m a lap, each up to 0.4 m beside the others, key scans of 180
 beams, odometry that slips by up to 10 %), localized with loops closed as it comes. *Key scans* are
 what the graph keeps to compare places: of each place (half a meter, about one way) at most
-`loop.max_scans_a_place`. Nodes, loops and the trajectory grow with the way; *process* is all memory
-held, the simulated scans, which are made as they are needed, left out. Hours are at `--speed`.
+`loop.max_scans_a_place`. Nodes whose scans are gone become part of others: *free nodes* are what
+the graph is solved for, and they and the loops between them are bounded too. What grows with the
+way is where every node and scan was; *process* is all memory held, the simulated scans, which are
+made as they are needed, left out. Hours are at `--speed`.
 """
 
 from __future__ import annotations
@@ -30,8 +32,8 @@ FIRST_SEED = 300
 SCANS_A_LAP = 150
 STEP_NS = 400_000_000
 HERE = SE2.identity()
-KEYS = ("way_m", "hours", "nodes", "loops", "scans_kept", "key_scans_mb", "process_mb",
-        "ms_a_scan", "ms_max", "ate_m")  # fmt: skip
+KEYS = ("way_m", "hours", "nodes", "free_nodes", "loops", "scans_kept", "key_scans_mb",
+        "process_mb", "ms_a_scan", "ms_max", "ate_m")  # fmt: skip
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -105,7 +107,8 @@ class _Laps:
         num, size = key_scans(closer)
         return {
             "way_m": way, "hours": way / speed / 3600.0, "nodes": len(closer.frames),
-            "loops": closer.num_loops, "scans_kept": num, "key_scans_mb": size / 1e6,
+            "free_nodes": closer.num_free, "loops": closer.num_loops,
+            "scans_kept": num, "key_scans_mb": size / 1e6,
             "process_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10,
             "ms_a_scan": float(np.mean(ms)), "ms_max": max(ms),
             "ate_m": trajectory_errors(*stamped, tolerance_ns=0).ate,

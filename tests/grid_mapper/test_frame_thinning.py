@@ -45,5 +45,7 @@ def test_laps_without_end_keep_a_bounded_number_of_scans_and_still_close_their_l
     closer = closed(frames, GridMapperConfig(loop=LoopConfig(max_scans_a_place=2)))
     late = [len(frame.points) > 0 for frame in closer.frames]
     assert sum(late) < 330 and all(late[-80:])
+    ends = {end for edge in closer.edges for end in (edge.first, edge.second)}
+    assert len(ends) == closer.num_free < 360  # the graph is of what is not merged
     assert largest_error(closer.poses, truth) < 0.1
     assert any(edge.is_loop and edge.second > 400 for edge in closer.edges)

@@ -119,9 +119,27 @@ def _uncertainty(
     return np.sqrt(var_place), np.sqrt(var_turn)
 
 
+def variances_from(
+    starts: Sequence[int], edges: Sequence[Edge], num: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the variances of every node's place and turn, seen from some, shape (M, N) each.
+
+    Levers are left out: it is for nodes beside each other.
+    """
+    first = np.array([edge.first for edge in edges])
+    second = np.array([edge.second for edge in edges])
+    var_xy = np.array([0.5 * (edge.cov[0, 0] + edge.cov[1, 1]) for edge in edges])
+    var_yaw = np.array([edge.cov[2, 2] for edge in edges])
+    return (
+        _least_sums(first, second, var_xy, num, starts),
+        _least_sums(first, second, var_yaw, num, starts),
+    )
+
+
 def _least_sums(
-    first: np.ndarray, second: np.ndarray, weight: np.ndarray, num: int, start: int
-) -> np.ndarray:
+    first: np.ndarray, second: np.ndarray, weight: np.ndarray, num: int,
+    start: int | Sequence[int],
+) -> np.ndarray:  # fmt: skip
     order = np.lexsort((weight, second, first))  # of edges between the same nodes the surest
     pairs = first[order] * num + second[order]
     kept = order[np.concatenate(([True], np.diff(pairs) != 0))]

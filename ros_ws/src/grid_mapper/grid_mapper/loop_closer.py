@@ -12,6 +12,7 @@ from grid_mapper.frame_thinning import thinned_frames
 from grid_mapper.key_frames import Edge, KeyFrame, chain_edge
 from grid_mapper.loop_candidates import Candidate, loop_candidates, near_pairs
 from grid_mapper.loop_verification import agree, are_apart, verify
+from grid_mapper.node_merging import MergedNodes, contracted, merges_of, moved_edge
 from grid_mapper.place_appearance import Appearances
 from grid_mapper.pose_graph import (
     FINAL_TOLERANCE,
@@ -51,6 +52,12 @@ class LoopCloser:
         self._num_unsolved = 0
         self._solver = GraphSolver()
         self._looks = Appearances(config.loop.submap_nodes)
+        self._merged = MergedNodes()
+
+    @property
+    def num_free(self) -> int:
+        """Nodes that the graph is solved for: those not merged into others."""
+        return len(self.frames) - len(self._merged)
 
     @property
     def num_loops(self) -> int:
@@ -96,14 +103,18 @@ class LoopCloser:
     def solve(self, tolerance: float = FINAL_TOLERANCE) -> None:
         """Solve the graph; take out what does not fit, and solve again."""
         self._num_unsolved = 0
-        kernel = self.config.loop.kernel
-        self.poses = self._solver.solve(self.poses, self.edges, kernel, tolerance)
+        self._place_nodes(tolerance)
         fits = deviations_of(self.edges, self.poses) < MAX_DEVIATIONS
         kept = [e for e, fit in zip(self.edges, fits, strict=True) if fit or not e.is_loop]
         if len(kept) < len(self.edges):
             self.refused["does not fit the graph"] += len(self.edges) - len(kept)
             self.edges = kept
-            self.poses = self._solver.solve(self.poses, self.edges, kernel, tolerance)
+            self._place_nodes(tolerance)
+
+    def _place_nodes(self, tolerance: float) -> None:
+        kernel, is_free = self.config.loop.kernel, self._merged.is_free(len(self.frames))
+        found = self._solver.solve(self.poses, self.edges, kernel, tolerance, is_free)
+        self.poses = self._merged.placed(found)
 
     def _append(self, frame: KeyFrame) -> None:
         if not self.frames:
@@ -118,10 +129,19 @@ class LoopCloser:
             self.poses.append(self.poses[-1] @ edge.T_first_second)
             self._ways.append(self._ways[-1] + edge.T_first_second.distance)
         self.frames.append(frame)
-        if len(self.frames) % THINNED_EVERY == 0:
-            most = self.config.loop.max_scans_a_place
-            self.frames = thinned_frames(self.frames, self.poses, most)
         self._looks.add(frame.points.points)
+        if len(self.frames) % THINNED_EVERY == 0:
+            self._thin()
+
+    def _thin(self) -> None:
+        """Throw out older scans of one place, and let their nodes become part of others."""
+        self.frames = thinned_frames(self.frames, self.poses, self.config.loop.max_scans_a_place)
+        is_free = self._merged.is_free(len(self.frames))
+        merges = merges_of(self.frames, self.poses, self.edges, is_free)
+        by_node = {merge.node: merge for merge in merges}
+        self.edges = contracted(self.edges, merges)
+        self._pending = [moved_edge(edge, by_node) for edge in self._pending]
+        self._merged.add(merges)
 
     def _has_scan(self) -> np.ndarray:
         """Return which nodes still have their scans, shape (N,)."""

@@ -47,7 +47,7 @@ class GraphSolver:
 
     def solve(
         self, poses: Sequence[SE2], edges: Sequence[Edge], kernel: float,
-        tolerance: float = FINAL_TOLERANCE,
+        tolerance: float = FINAL_TOLERANCE, is_free: np.ndarray | None = None,
     ) -> list[SE2]:  # fmt: skip
         """Return the poses that fit the edges best; the first node stays where it is.
 
@@ -60,32 +60,38 @@ class GraphSolver:
             edges: The measured motions.
             kernel: Deviations at which a loop counts half, at last.
             tolerance: A step that lessens the error by a smaller share is the last.
+            is_free: Which nodes the edges are of; others stay where they are, shape (N,), bool.
         """
+        numbers = range(len(poses)) if is_free is None else np.flatnonzero(is_free).tolist()
         loops = [edge for edge in edges if edge.is_loop]
         worst = float(deviations_of(loops, poses).max(initial=0.0))
         widths = KERNEL_WIDTHS if worst > FAR_DEVIATIONS else KERNEL_WIDTHS[-1:]
         for width in widths:
-            poses = self._solve(poses, edges, width * kernel, tolerance)
+            poses = self._solve(poses, numbers, edges, width * kernel, tolerance)
         kept = {(id(edge), width * kernel * edge.is_loop) for edge in edges for width in widths}
         self._factors = {key: self._factors[key] for key in self._factors if key in kept}
         return list(poses)
 
     def _solve(
-        self, poses: Sequence[SE2], edges: Sequence[Edge], kernel: float, tolerance: float
-    ) -> list[SE2]:
+        self, poses: Sequence[SE2], numbers: Sequence[int], edges: Sequence[Edge], kernel: float,
+        tolerance: float,
+    ) -> list[SE2]:  # fmt: skip
         gtsam = load_solver()
         graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
         held = gtsam.noiseModel.Isotropic.Sigma(3, HELD_SIGMA)
-        graph.add(gtsam.PriorFactorPose2(0, _pose2(gtsam, poses[0]), held))
-        for number, pose in enumerate(poses):
-            values.insert(number, _pose2(gtsam, pose))
+        graph.add(gtsam.PriorFactorPose2(numbers[0], _pose2(gtsam, poses[numbers[0]]), held))
+        for number in numbers:
+            values.insert(number, _pose2(gtsam, poses[number]))
         for edge in edges:
             graph.add(self._factor(edge, kernel * edge.is_loop))
         params = gtsam.LevenbergMarquardtParams()
         params.setRelativeErrorTol(tolerance)
         result = gtsam.LevenbergMarquardtOptimizer(graph, values, params).optimize()
-        found = gtsam.utilities.extractPose2(result).tolist()
-        return [SE2(x, y, yaw) for x, y, yaw in found]
+        found = list(poses)
+        rows = gtsam.utilities.extractPose2(result).tolist()
+        for number, row in zip(numbers, rows, strict=True):
+            found[number] = SE2(*row)
+        return found
 
     def _factor(self, edge: Edge, kernel: float) -> Any:
         """Return an edge as gtsam has it; a kernel of 0 is none."""
