@@ -15,6 +15,7 @@ from _demo_domain import join_domain
 from _processes import ChildDiedError
 from experiments.faults_case import Fault, Row, run_fault
 from experiments.faults_graph import FaultGraph, GraphError
+from experiments.faults_pictures import draw_speeds, write_trace
 from experiments.faults_rows import other_sensor_faults, scan_faults, traffic_faults
 from experiments.faults_rows_clock import clock_faults
 from experiments.faults_rows_field import camera_faults
@@ -22,12 +23,16 @@ from experiments.faults_rows_files import file_faults
 from experiments.faults_rows_nodes import company_faults, process_faults, simulator_fault
 from experiments.faults_rows_told import told_faults
 from experiments.faults_setups import Setup, field, hall
-from floornav_common.reporting import Section, Table, UserError, say
+from floornav_common.reporting import Figures, Picture, Section, Table, UserError, say
 
 _HEADS = [
     "fault", "what", "expected", "seen", "stop ms", "stands after s", "drives again after s",
     "lost", "passed",
 ]  # fmt: skip
+_CAPTION = (
+    "Speed over time, m/s and s, from when the fault begins. Blue: commands that arrived at the "
+    "simulator; black: the robot's true speed; ground: the fault; red: when it had to stop."
+)
 
 
 def all_faults(seed: int = 0) -> dict[str, list[Fault]]:
@@ -79,7 +84,11 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         while chosen:
             chosen = _run_graph(_SETUPS[name](), chosen, args, values, rows)
     values["ok"] = values["passed"] == values["total"]
-    return [Section("Faults", [__doc__ or "", Table(_HEADS, [_cells(row) for row in rows])])]
+    picture = args.out_dir / "speeds.png"
+    draw_speeds(picture, rows)
+    table = Table(_HEADS, [_cells(row) for row in rows])
+    figures = Figures([("passed", f"{values['passed']} of {values['total']}")])
+    return [Section("Faults", [figures, __doc__ or "", table, Picture(picture, _CAPTION)])]
 
 
 def _run_graph(
@@ -99,6 +108,8 @@ def _run_graph(
             except (GraphError, ChildDiedError) as error:
                 rows.append(_failed(fault, setup, str(error)))
             _fill(values, rows)
+            if rows[-1].trace is not None:
+                write_trace(args.out_dir / "traces" / f"{fault.name}.csv", rows[-1].trace)
             say(_line(rows[-1]), is_quiet=args.quiet)
             if not rows[-1].recovered:
                 break
@@ -113,9 +124,14 @@ def _failed(fault: Fault, setup: Setup, text: str) -> Row:
 
 
 def _fill(values: dict[str, Any], rows: list[Row]) -> None:
-    values["faults"] = [vars(row) | {"passed": row.passed} for row in rows]
+    values["faults"] = [_plain(row) for row in rows]
     found = Counter(row.passed for row in rows)
     values["passed"], values["total"] = found[True], len(rows)
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    kept = {key: value for key, value in vars(row).items() if key != "trace"}
+    return {**kept, "passed": row.passed}
 
 
 def _line(row: Row) -> str:

@@ -199,7 +199,7 @@ class FaultGraph:
     def _simulator(self) -> list[str]:
         told = {
             "world": self.setup.world, "seed": str(self._seed), "real_time_factor": "1.0",
-            "start_nodes": "[fault_relay, fault_watch]", "pace_nodes": "[local_planner]",
+            "start_nodes": "[fault_relay, fault_watch]", "pace_topics": "[cmd_vel]",
             "pace_lag_s": str(_PACE_LAG_S), "pace_timeout_s": str(_PACE_TIMEOUT_S),
             "clock_period_s": str(_CLOCK_PERIOD_S),
         }  # fmt: skip

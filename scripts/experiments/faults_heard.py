@@ -47,6 +47,7 @@ class FaultWatch(Node):
         num_goals_again: How often a goal had to be sent once more.
         goal_limit_s: A goal not reached in this time is left for the next.
         num_left: How many were left.
+        num_clock_stops: How often the planner said that `/clock` stands still.
     """
 
     def __init__(self, relay: FaultRelay, goals: np.ndarray, frame: str) -> None:
@@ -60,7 +61,7 @@ class FaultWatch(Node):
         self.counts: dict[str, int] = {}
         self.known_cells = self.num_goals_again = self.number = 0
         self.free_space: Any = None
-        self.goal_limit_s, self.num_left = math.inf, 0
+        self.goal_limit_s, self.num_left, self.num_clock_stops = math.inf, 0, 0
         self.sends_goals = True
         self._progress, self._has_way = GoalProgress(), False
         self._sent_ns, self._since_ns = -_AGAIN_NS, 0
@@ -151,6 +152,7 @@ class FaultWatch(Node):
     def _on_state(self, msg: Any) -> None:
         said = {value.key: value.value for value in msg.values}
         self.state = said.get("state", ""), said.get("reason", "")
+        self.num_clock_stops += "/clock" in self.state[1]
         self._progress.update(*self.state)
         if self._has_way and self._progress.is_reached:
             self._next()

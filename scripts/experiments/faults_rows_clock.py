@@ -38,7 +38,8 @@ def clock_faults() -> list[Fault]:
             kind=HALT, expected=alone, strike=_shift_clock(_FORWARD_NS), mend=_shift_clock(0),
         ),
         Fault(
-            name="clock-stands", what="/clock comes no more; sensors do", kind=BASE, limit_s=BASE_S,
+            name="clock-stands", what="/clock comes no more; sensors do", kind=BASE,
+            limit_s=BASE_S, stops_clock=True,
             expected="no period passes, the base brakes by its own limit of 0.5 s; the planner "
             "says it and sends zero after 2 s of real time", check=_is_said, hold_s=6.0,
             **changing("/clock", lambda: drop),
@@ -46,7 +47,7 @@ def clock_faults() -> list[Fault]:
         Fault(
             name="clock-paused", what="the whole simulation is paused for 4 s of real time",
             kind=OTHER, expected="the planner says it; then drives on, nothing is lost",
-            strike=_pause, hold_s=0.5, check=_was_said,
+            strike=_pause, hold_s=0.5, check=_was_said, stops_clock=True,
         ),
         Fault(
             name="clock-tenth", what="time goes at a tenth of real time", kind=DRIVE,

@@ -57,6 +57,7 @@ def simulator_fault() -> Fault:
         name="kill-sim_bridge", what="SIGKILL to sim_bridge: clock, sensors and base are gone",
         kind=OTHER, expected="the planner says that /clock stands still, and sends zero",
         strike=strike, mend=restarting(SIMULATOR), hold_s=4.0, has_time=False, check=problem,
+        stops_clock=True,
     )  # fmt: skip
 
 
