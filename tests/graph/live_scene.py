@@ -15,7 +15,8 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 CELL_M = 0.1
-WIDTH, HEIGHT = 60, 40  # cells: a room of 6 x 4 m, its corner at (-1, -1)
+WIDTH, HEIGHT = 80, 40  # cells: a room of 6 x 4 m, its corner at (-1, -1), and 2 m not known
+ROOM_COLS = 60
 CORNER = -1.0
 GLASS_COL = 50
 NodeProcess = Peer = Any  # of conftest.py
@@ -34,9 +35,10 @@ def room(cells: np.ndarray, frame: str = "map") -> OccupancyGrid:
 
 
 def room_cells() -> np.ndarray:
-    """Return the room: free, with walls around."""
-    cells = np.zeros((HEIGHT, WIDTH), dtype=np.int8)
-    cells[[0, -1]] = cells[:, [0, -1]] = 100
+    """Return the room: free, with walls around, and beside it nothing known."""
+    cells = np.full((HEIGHT, WIDTH), -1, dtype=np.int8)
+    cells[:, :ROOM_COLS] = 100
+    cells[1:-1, 1 : ROOM_COLS - 1] = 0
     return cells
 
 

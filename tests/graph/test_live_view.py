@@ -166,7 +166,7 @@ def test_messages_that_cannot_be_drawn_are_named_and_the_node_lives(looked_at) -
     bad = room(room_cells())
     bad.data = [0, 1, 2]
     scene.maps.publish(bad)
-    told = "/map cannot be drawn: grid data must be 60 x 40 cells, got 3"
+    told = "/map cannot be drawn: grid data must be 80 x 40 cells, got 3"
     looker.until(lambda: told in looker.values("health").get("problems", []), scene.stand)
     lost = room(room_cells(), frame="elsewhere")
     scene.maps.publish(lost)

@@ -103,7 +103,7 @@ def check_words(browser: Chromium) -> None:
 
 
 def check_picture(browser: Chromium, folder: Path) -> None:
-    """Free floor, walls and glass have their colors where they are."""
+    """The room is in the middle; free floor, walls and glass have their colors where they are."""
     browser.wait_for("(isDirty === false)")
     data = browser.screenshot()
     (folder / "live_view.png").write_bytes(data)
@@ -111,6 +111,7 @@ def check_picture(browser: Chromium, folder: Path) -> None:
     assert picture.shape == (SIZE[1], SIZE[0], 3)
     middle = 0.5 * CELL_M
     pane = CORNER + GLASS_COL * CELL_M + middle, 0.25
+    assert on_screen(browser, 2.0, 1.0) == pytest.approx(browser.value("middle()"), abs=1.0)
     assert is_near(color_at(browser, picture, *pane), GLASS)
     assert is_near(color_at(browser, picture, -0.45, -0.45), FREE)
     assert is_near(color_at(browser, picture, CORNER + middle, 1.53), WALL)

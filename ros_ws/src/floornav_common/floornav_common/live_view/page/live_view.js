@@ -55,14 +55,16 @@ async function takeGrid(slot, message, payload) {
   const context = canvas.getContext("2d");
   context.drawImage(picture, 0, 0);
   const pixels = context.getImageData(0, 0, canvas.width, canvas.height);
-  paint(pixels.data, slot === "glass");
+  const known = paint(pixels.data, canvas.width, slot === "glass");
   context.putImageData(pixels, 0, 0);
-  seen[slot] = { ...message, canvas, number, at: Date.now() };
+  seen[slot] = { ...message, canvas, known, number, at: Date.now() };
   if (slot === "map" && view.isFit) fit();
   isDirty = true;
 }
 
-function paint(data, isGlass) {  // 0 unknown, else 1 + occupancy
+// Colors the picture of a map (0 unknown, else 1 + occupancy); returns the columns and rows known.
+function paint(data, width, isGlass) {
+  let [left, right, top, bottom] = [Infinity, -1, Infinity, -1];
   for (let i = 0; i < data.length; i += 4) {
     const occupied = (data[i] - 1) / 100;
     if (isGlass) {
@@ -72,8 +74,12 @@ function paint(data, isGlass) {  // 0 unknown, else 1 + occupancy
     } else {
       const mix = (free, wall) => free + (wall - free) * occupied;
       data[i] = mix(247, 28); data[i + 1] = mix(249, 36); data[i + 2] = mix(251, 48);
+      const column = (i / 4) % width, row = (i / 4 - column) / width;
+      left = Math.min(left, column); right = Math.max(right, column + 1);
+      top = Math.min(top, row); bottom = Math.max(bottom, row + 1);
     }
   }
+  return { left, right, top, bottom };
 }
 
 // ---- drawing -------------------------------------------------------------------------------
@@ -89,16 +95,17 @@ function toMap(px, py) {
   return [view.x + (px - cx) / view.scale, view.y - (py - cy) / view.scale];
 }
 
-function fit() {
-  const { origin, width, height, resolution } = seen.map || {};
-  if (!origin) return;
+function fit() {  // what is known of the map, in the middle
+  const { origin, height, resolution, known } = seen.map || {};
+  if (!known || known.right < 0) return;
   const [c, s] = [Math.cos(origin.yaw), Math.sin(origin.yaw)];
-  const [w, h] = [width * resolution, height * resolution];
-  view.x = origin.x + (c * w - s * h) / 2;
-  view.y = origin.y + (s * w + c * h) / 2;
+  const [w, h] = [(known.right - known.left) * resolution, (known.bottom - known.top) * resolution];
+  const u = known.left * resolution + w / 2, v = (height - known.bottom) * resolution + h / 2;
+  view.x = origin.x + c * u - s * v;
+  view.y = origin.y + s * u + c * v;
   const [cx, cy] = middle();
   const [boxW, boxH] = [Math.abs(c) * w + Math.abs(s) * h, Math.abs(s) * w + Math.abs(c) * h];
-  view.scale = Math.min(400, Math.max(2, 0.92 * Math.min(2 * cx / boxW, 2 * cy / boxH)));
+  view.scale = Math.min(400, Math.max(2, 0.9 * Math.min(2 * cx / boxW, 2 * cy / boxH)));
   isDirty = true;
 }
 
