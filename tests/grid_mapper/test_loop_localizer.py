@@ -9,6 +9,7 @@ from floornav_common.grid import OCCUPIED
 from floornav_common.readings import RangeReading
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig, ScanMatcherConfig
+from grid_mapper.frame_thinning import emptied
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_localizer import KnownPose, LoopClosingLocalizer
 from grid_mapper.map_rebuild import MapRebuild
@@ -55,6 +56,21 @@ def test_a_recording_that_starts_again_is_found_where_it_began():
     expected = [truth[0].between(pose) for pose in truth[:12]]
     assert all(pose.is_trusted for pose in again[2:])
     assert largest_error([p.T_map_base for p in again[2:]], expected[2:]) < 0.15
+
+
+def test_where_it_began_is_told_by_later_scans_when_the_first_are_gone(monkeypatch):
+    truth = round_the_ring(110, 1.2)
+    localizer = LoopClosingLocalizer(CONFIG)
+    follow(localizer, truth, truth)
+    frames = localizer.closer.frames
+    frames[:8] = [emptied(frame) for frame in frames[:8]]
+    told = []
+    monkeypatch.setattr(localizer._front, "see", lambda places: told.extend(places))
+    localizer.break_motion()
+    T_local_first = frames[-1].T_local_base @ localizer.closer.poses[-1].inverse()
+    assert len(told) == CONFIG.loop.submap_nodes + 1
+    for points, pose in told:
+        assert len(points) and T_local_first.between(pose).distance < 2.0
 
 
 def test_what_is_not_recent_is_forgotten():

@@ -93,9 +93,18 @@ class LoopClosingLocalizer:
         if not frames:
             return
         T_local_map = frames[-1].T_local_base @ poses[-1].inverse()
-        num = min(len(frames), self.config.loop.submap_nodes + 1)
-        self._front.see((frames[k].points, T_local_map @ poses[k]) for k in range(num))
+        numbers = self._first_seen()
+        self._front.see((frames[k].points, T_local_map @ poses[k]) for k in numbers)
         self._front.break_motion(T_local_map @ poses[0])
+
+    def _first_seen(self) -> list[int]:
+        """Return the first nodes; where their scans were thrown out those nearest to the first."""
+        frames, poses = self.closer.frames, self.closer.poses
+        num = min(len(frames), self.config.loop.submap_nodes + 1)
+        if all(len(frame.points) for frame in frames[:num]):
+            return list(range(num))
+        held = [k for k, frame in enumerate(frames) if len(frame.points)]
+        return sorted(held, key=lambda k: poses[0].between(poses[k]).distance)[:num]
 
     def known_poses(self) -> list[KnownPose]:
         """Return the pose of every scan so far, as the graph has it now."""
