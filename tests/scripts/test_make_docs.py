@@ -15,6 +15,7 @@ pytest.importorskip("grid_mapper.nodes.grid_mapper_node", reason="no grid_mapper
 
 ROOT = Path(__file__).resolve().parents[2]
 NODE_CLASSES = {
+    "floornav_common live_view": "floornav_common.nodes.live_view_node:LiveViewNode",
     "grid_mapper grid_mapper": "grid_mapper.nodes.grid_mapper_node:GridMapperNode",
     "sim_bridge sim_bridge": "sim_bridge.nodes.sim_bridge_node:SimBridgeNode",
     "sjmc_planner local_planner": "sjmc_planner.nodes.local_planner_node:LocalPlannerNode",
@@ -62,7 +63,7 @@ def test_a_running_node_declares_what_the_reference_lists(name: str):
     import rclpy
 
     module, _, class_name = NODE_CLASSES[name].partition(":")
-    rclpy.init()
+    rclpy.init(args=["--ros-args", "-p", "live_view:port:=0"])  # its usual one may be taken
     node = getattr(importlib.import_module(module), class_name)()
     try:
         declared = {n for n in node.get_parameters_by_prefix("") if not n.startswith(ROS_OWN)}
