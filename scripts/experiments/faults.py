@@ -8,6 +8,7 @@ what arrives at the simulator as `cmd_vel` and how the robot truly moves, in sim
 from __future__ import annotations
 
 import argparse
+import os
 from collections import Counter
 from typing import Any
 
@@ -15,6 +16,7 @@ from _demo_domain import join_domain
 from _processes import ChildDiedError
 from experiments.faults_case import Fault, Row, run_fault
 from experiments.faults_graph import FaultGraph, GraphError
+from experiments.faults_page import faults_page
 from experiments.faults_pictures import draw_speeds, write_trace
 from experiments.faults_rows import other_sensor_faults, scan_faults, traffic_faults
 from experiments.faults_rows_clock import clock_faults
@@ -23,7 +25,7 @@ from experiments.faults_rows_files import file_faults
 from experiments.faults_rows_nodes import company_faults, process_faults, simulator_fault
 from experiments.faults_rows_told import told_faults
 from experiments.faults_setups import Setup, field, hall
-from floornav_common.reporting import Figures, Picture, Section, Table, UserError, say
+from floornav_common.reporting import Figures, Picture, Section, Table, UserError, say, write_atomic
 
 _HEADS = [
     "fault", "what", "expected", "seen", "stop ms", "stands after s", "drives again after s",
@@ -84,6 +86,8 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         while chosen:
             chosen = _run_graph(_SETUPS[name](), chosen, args, values, rows)
     values["ok"] = values["passed"] == values["total"]
+    page = faults_page(rows, values["sim_s"], machine())
+    write_atomic(args.out_dir / "faults.md", page)
     picture = args.out_dir / "speeds.png"
     draw_speeds(picture, rows)
     table = Table(_HEADS, [_cells(row) for row in rows])
@@ -121,6 +125,12 @@ def _failed(fault: Fault, setup: Setup, text: str) -> Row:
     row = Row(fault.name, fault.what, fault.expected, text, safe=False, recovered=False)
     row.kind, row.graph = fault.kind, setup.name
     return row
+
+
+def machine() -> str:
+    """Return how many cores there are, and how busy they were."""
+    cores, busy = len(os.sched_getaffinity(0)), os.getloadavg()[2]
+    return f"{cores} cores, on average {busy:.0f} processes that wanted one"
 
 
 def _fill(values: dict[str, Any], rows: list[Row]) -> None:

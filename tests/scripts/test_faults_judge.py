@@ -72,6 +72,13 @@ def test_who_moves_on_before_the_fault_ends_did_not_halt() -> None:
     assert judge(record, DIP, STRUCK, STRUCK, END, DECEL).is_safe
 
 
+def test_a_command_just_before_the_zero_in_the_same_instant_is_no_moving_on() -> None:
+    record = drive(STRUCK)
+    first = next(k for k, m in enumerate(record.commands) if m.is_zero)
+    record.commands.insert(first, Moved(record.commands[first].ns, 0.6, 0.0))
+    assert judge(record, HALT, STRUCK, STRUCK, END, DECEL).is_safe
+
+
 def test_a_base_that_rolls_on_after_the_zero_is_not_safe() -> None:
     verdict = judge(drive(STRUCK, brakes=0.0), HALT, STRUCK, STRUCK, END, DECEL)
     assert not verdict.is_safe and "truly stand" in verdict.seen
