@@ -124,6 +124,8 @@ class FaultWatch(Node):
 
     def count_disparities(self) -> None:
         """Count the stereo matcher's answers from now on."""
+        if "disparity" in self.counts:
+            return
         for pair in ("front", "rear"):
             self._hear(DisparityImage, f"stereo/{pair}/disparity", self._on_disparity, _DEEP)
 

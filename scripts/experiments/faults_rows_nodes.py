@@ -149,6 +149,7 @@ def _without_statics(graph: FaultGraph) -> None:
     graph.start_node("local_planner")
     graph.wait(lambda: graph.watch.speed < 0.01, "a robot that stands")
     graph.spin_sim(1.0)
+    graph.notes["struck_ns"] = graph.relay.now_ns
 
 
 def _is_named(part: str) -> Callable[[FaultGraph], str]:

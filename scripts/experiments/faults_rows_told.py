@@ -126,6 +126,7 @@ def _blind_stereo(graph: FaultGraph) -> None:
         if topic.endswith("camera_info"):
             graph.relay.set_change(topic, edited(no_numbers))
     graph.watch.count_disparities()
+    graph.watch.counts["disparity"] = 0
     graph.start_node(_MATCHER)
     graph.spin_sim(2.0)
 

@@ -9,10 +9,21 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sjmc_scenes import CONFIG, PERIOD, ROBOT, goal_at, watched
+from sjmc_scenes import CONFIG, PERIOD, ROBOT, goal_at, scan_of, watched
 
+from floornav_common.se2 import SE2
+from sjmc_planner.limited_motion import moved_by
 from sjmc_planner.methods import make_method
-from sjmc_planner.planning import BACKING, DRIVING, STILL, TURNING, WAITING, Velocity
+from sjmc_planner.planning import (
+    BACKING,
+    DRIVING,
+    STILL,
+    TURNING,
+    WAITING,
+    Obstacles,
+    RobotState,
+    Velocity,
+)
 from sjmc_planner.sjmc_speed import aware_time, stable_bound
 
 FAR = goal_at(12.0, 0.0)
@@ -89,6 +100,16 @@ def test_it_backs_only_on_the_way_that_it_came() -> None:
     told = watched(never, walker, FAR, velocity=slowly, num=30)
     assert (stood.state, told.state) == (WAITING, WAITING)
     assert stood.command == told.command == STILL
+
+
+def test_who_sees_nothing_at_all_stands_and_does_not_back_either() -> None:
+    method, scan, speeds = sjmc(), scan_of([]), []
+    for k in range(100):
+        velocity = Velocity(0.4, 0.0, 0.0) if k < 30 else STILL
+        seen = scan if k < 30 else replace(scan, ranges=np.full_like(scan.ranges, np.nan))
+        state = RobotState(velocity, velocity, moved_by(velocity, PERIOD))
+        speeds.append(method.decide(state, Obstacles(seen, SE2.identity()), FAR).command.x)
+    assert max(speeds[:30]) > 0.0 and set(speeds[31:]) == {0.0}
 
 
 def test_debug_names_the_courses_and_the_one_taken() -> None:

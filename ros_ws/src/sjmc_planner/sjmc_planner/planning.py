@@ -73,6 +73,11 @@ class Obstacles:
     T_base_sensor: SE2
     known: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
+    @property
+    def shows_nothing(self) -> bool:
+        """Whether no beam saw anything: the sensor is blind."""
+        return bool(np.isnan(self.scan.ranges).all())
+
 
 @dataclass(frozen=True)
 class Goal:

@@ -110,7 +110,7 @@ class Sjmc:
         decision = self._on_course(moment) or self._around(moment)
         if self._num_wished == num_wished:
             self._num_wished = 0
-        if self._retreat.is_due(decision):
+        if self._retreat.is_due(decision) and not obstacles.shows_nothing:
             decision = self._back_out(moment) or decision
         if decision is None:
             decision = self._stuck(moment)

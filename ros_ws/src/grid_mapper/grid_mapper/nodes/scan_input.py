@@ -14,6 +14,7 @@ from floornav_common.ros.transformed_subscription import TransformedSubscription
 from floornav_common.ros.watchdog import Watchdog
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from floornav_common.stuck_scan import StuckScan
 from floornav_common.transform3 import Transform3
 from floornav_common.transform_errors import TransformUnavailable
 from grid_mapper.laser_mount import level_scan
@@ -23,6 +24,8 @@ OnScan = Callable[[Any, Scan, SE2, SE2], None]
 
 class ScanInput:
     """Calls back with `(stamp, scan, T_base_laser, T_target_base)` once TF covers the stamp.
+
+    A laser that repeats itself while the robot moves counts as silent.
 
     Args:
         node: The node.
@@ -47,6 +50,7 @@ class ScanInput:
         self._scans = TransformedSubscription(
             node, LaserScan, "scan", SENSOR_QOS, target_frame, self._on_message
         )
+        self._stuck = StuckScan()
         self._watchdog = Watchdog(node, self._scans.topic, timeout_s)
 
     @property
@@ -65,6 +69,9 @@ class ScanInput:
             )
             scan, pose = level_scan(messages.scan_from_msg(msg), T_base_laser)
             T_target_base = (T_target_laser @ T_base_laser.inverse()).to_se2()
+            self._stuck.take(scan.ranges, T_target_base)
+            if self._stuck.fault:
+                raise ValueError(self._stuck.fault)
             self._on_scan(msg.header.stamp, scan, pose, T_target_base)
         except (ValueError, TransformUnavailable) as error:
             self._warn(f"{self._scans.topic}: {error}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,8 @@ class KnownInputs:
 
     def _on_range(self, msg: Any) -> None:
         if msg.radiation_type == Range.INFRARED:  # sees through glass
+            return
+        if math.isnan(msg.range):  # REP 117: no measurement, which is as silence
             return
         if self._sonars is None:
             self._sonars = Watchdog(self._node, self._topics, self._config.sonar_timeout_s)

@@ -14,6 +14,7 @@ from floornav_common.ros.qos import SENSOR_QOS, create_subscription
 from floornav_common.ros.watchdog import Watchdog
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from floornav_common.stuck_scan import StuckScan
 from floornav_common.transform_errors import TransformUnavailable
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.limited_motion import moved_by, seen_from
@@ -42,6 +43,7 @@ class PlannerInputs:
         self._scan: tuple[Scan, str, int] | None = None
         self._twist: tuple[Velocity, str, int] | None = None
         self._bad_scan = self._bad_odometry = ""
+        self._stuck, self._way, self._is_new = StuckScan(), SE2.identity(), False
         scans = create_subscription(node, LaserScan, "scan", self._on_scan, SENSOR_QOS)
         odometry = create_subscription(node, Odometry, "odom", self._on_odom, SENSOR_QOS)
         self._scans = Watchdog(node, scans.topic_name, config.scan_timeout_s)
@@ -75,12 +77,14 @@ class PlannerInputs:
         """Return the newest scan, seen from where the robot is now, and what is known beside it.
 
         Raises:
-            InputMissing: If it is not fresh, not usable, or its sensor's place is not known; or as
-                `KnownInputs.beside`.
+            InputMissing: If it is not fresh, not usable, the same as before the robot moved, or its
+                sensor's place is not known; or as `KnownInputs.beside`.
         """
+        self._way = self._way @ moved
         self._require(self._scans, self._bad_scan)
         assert self._scan is not None
         scan, frame, stamp_ns = self._scan
+        self._refuse_stuck(scan)
         try:
             T_base_sensor = self._node.transforms.buffer.lookup(self._base, frame)
             seen = mounted(scan, T_base_sensor)
@@ -89,6 +93,13 @@ class PlannerInputs:
         age = self._age(f"{self._scans.topic}:", stamp_ns, self._config.scan_timeout_s)
         seen = Obstacles(seen.scan, _back(velocity, age) @ seen.T_base_sensor)
         return replace(seen, known=self.known.beside(seen, moved, dt, self.pose, velocity))
+
+    def _refuse_stuck(self, scan: Scan) -> None:
+        if self._is_new:
+            self._stuck.take(scan.ranges, self._way)
+            self._is_new = False
+        if self._stuck.fault:
+            raise InputMissing(f"{self._scans.topic}: {self._stuck.fault}")
 
     def pose(self, frame: str, velocity: Velocity) -> SE2:
         """Return the robot's pose in a frame, carried forward from the newest known.
@@ -131,7 +142,7 @@ class PlannerInputs:
         try:
             scan = scan_from_msg(msg)
             self._scan = scan, msg.header.frame_id, stamp_to_ns(msg.header.stamp)
-            self._bad_scan = ""
+            self._bad_scan, self._is_new = "", True
         except ValueError as error:
             self._bad_scan = str(error)
 
