@@ -71,7 +71,8 @@ class FaultGraph:
         goals = self.T_world_goals.inverse() @ self.setup.goals
         topics = {topic: _KINDS[topic] for topic in self.setup.topics}
         self.relay = FaultRelay(topics, {"cmd_vel": Twist})
-        self.watch = FaultWatch(self.relay, goals, self.setup.frame)
+        has_paths = "wavefront_planner" in self.setup.nodes
+        self.watch = FaultWatch(self.relay, goals, self.setup.frame, has_paths=has_paths)
         self.relay.on_sent["cmd_vel"] = self.watch.on_command
         self._executor = make_executor()
         for node in (self.relay, self.watch):
@@ -112,8 +113,8 @@ class FaultGraph:
         self.start_node(SIMULATOR)
         self.wait(lambda: self.relay.now_ns > 0, "simulated time", _READY_S)
 
-    def start_node(self, name: str, *, waits: bool = True) -> None:
-        """Start a process, again if it ended; the log of an earlier one is kept."""
+    def start_node(self, name: str, *words: str, waits: bool = True) -> None:
+        """Start a process, again if it ended, told some words more; earlier logs are kept."""
         number = self._starts[name] = self._starts.get(name, 0) + 1
         log = self.out / "logs" / f"{name}.log"
         if log.exists():
@@ -121,7 +122,7 @@ class FaultGraph:
         command = (
             self._simulator() if name == SIMULATOR else self.setup.command(name, self._settings)
         )
-        self.children.start(name, command)
+        self.children.start(name, [*command, *words])
         self.expected_dead.discard(name)
         if waits:
             self.wait_ready(name)

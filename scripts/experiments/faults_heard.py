@@ -34,6 +34,7 @@ class FaultWatch(Node):
         relay: Has the simulator's time.
         goals: In `frame`, shape (N, 2), m.
         frame: Of the goals.
+        has_paths: Whether a path answers a goal; else the planner takes goals itself.
 
     Attributes:
         record: For the judge.
@@ -50,9 +51,12 @@ class FaultWatch(Node):
         num_clock_stops: How often the planner said that `/clock` stands still.
     """
 
-    def __init__(self, relay: FaultRelay, goals: np.ndarray, frame: str) -> None:
+    def __init__(
+        self, relay: FaultRelay, goals: np.ndarray, frame: str, *, has_paths: bool
+    ) -> None:
         super().__init__("fault_watch")
         self._relay, self._goals, self._frame = relay, goals, frame
+        self._has_paths = has_paths
         self.record = DriveRecord()
         self.truth: list[tuple[int, SE2, float]] = []
         self.poses: list[tuple[int, SE2]] = []
@@ -106,7 +110,8 @@ class FaultWatch(Node):
 
     def send_goal(self) -> None:
         """Send the goal in force."""
-        self._sent_ns, self._has_way, self._progress = self._relay.now_ns, False, GoalProgress()
+        self._sent_ns, self._has_way = self._relay.now_ns, not self._has_paths
+        self._progress = GoalProgress()
         msg = PoseStamped(pose=se2_to_pose(SE2(*self.goal.tolist(), 0.0)))
         msg.header.frame_id = self._frame
         self._goal_pub.publish(msg)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from rclpy.node import Node
 
 from experiments.faults_case import Act, Fault
-from experiments.faults_graph import SIMULATOR, FaultGraph
+from experiments.faults_graph import SIMULATOR, FaultGraph, set_parameters
 from experiments.faults_judge import BASE, DRIVE, HALT, OTHER, STAND
+from floornav_common.ros.messages import se2_to_pose
 from floornav_common.ros.qos import RELIABLE_QOS
 from floornav_common.ros.transforms import TransformBroadcaster
 from floornav_common.se2 import SE2
@@ -21,6 +23,7 @@ BASE_S = 0.5
 """The base's own limit on the silence of commands (`command_timeout_s`)."""
 _POSE_S = 0.6
 """Limit on the pose's age, and how far ahead `grid_mapper` stamps map to odom."""
+_MAPPER = "grid_mapper"
 _INTRUDER, _INTRUDER_PERIOD_S = "intruder", 0.05
 _AWAY_M = 1.5
 
@@ -28,15 +31,16 @@ _AWAY_M = 1.5
 def process_faults() -> list[Fault]:
     """Return the faults of nodes that end."""
     on = "drives on by what it has; goes on to new goals when it is back"
+    again = "started again on the map saved before, told where it was last"
     late = "the base brakes 0.5 s after the last command (its own limit)"
     pose = "zero when map to odom, stamped 0.1 s ahead, is 0.5 s old"
     return [
         _killed("local_planner", late, BASE, BASE_S),
-        _killed("grid_mapper", pose, HALT, _POSE_S),
+        _with_saved_map(_killed("grid_mapper", f"{pose}; {again}", HALT, _POSE_S)),
         _killed("wavefront_planner", on, DRIVE),
         _killed("floor_detector", "drives on by laser", DRIVE),
         _ended("local_planner", "zero as its last word; exit code 0", HALT),
-        _ended("grid_mapper", f"{pose}; exit code 0", HALT, _POSE_S),
+        _with_saved_map(_ended("grid_mapper", f"{pose}; exit code 0; {again}", HALT, _POSE_S)),
         _ended("wavefront_planner", f"{on}; exit code 0", DRIVE),
         _ended("floor_detector", "drives on by laser; exit code 0", DRIVE),
     ]  # fmt: skip
@@ -48,6 +52,12 @@ def simulator_fault() -> Fault:
     def strike(graph: FaultGraph) -> None:
         graph.send_signal(SIMULATOR, signal.SIGKILL)
 
+    def mend(graph: FaultGraph) -> None:
+        graph.start_node(SIMULATOR)
+        began_ns = graph.relay.now_ns
+        graph.wait(lambda: graph.relay.now_ns > began_ns, "simulated time", 600.0)
+        _place(graph, SE2.identity())
+
     def problem(graph: FaultGraph) -> str:
         state, reason = graph.watch.state
         is_said = state == "stopped" and "/clock" in reason
@@ -55,8 +65,9 @@ def simulator_fault() -> Fault:
 
     return Fault(
         name="kill-sim_bridge", what="SIGKILL to sim_bridge: clock, sensors and base are gone",
-        kind=OTHER, expected="the planner says that /clock stands still, and sends zero",
-        strike=strike, mend=restarting(SIMULATOR), hold_s=4.0, has_time=False, check=problem,
+        expected="the planner says that /clock stands still, and sends zero; the simulator begins "
+        "anew, and grid_mapper is told that the robot is at its start", kind=OTHER,
+        strike=strike, mend=mend, hold_s=4.0, has_time=False, check=problem,
         stops_clock=True,
     )  # fmt: skip
 
@@ -92,6 +103,41 @@ def killing(name: str, sign: signal.Signals = signal.SIGKILL) -> Act:
 def restarting(name: str) -> Act:
     """Return what starts a node again."""
     return lambda graph: graph.start_node(name)
+
+
+def _with_saved_map(fault: Fault) -> Fault:
+    """Return a fault of `grid_mapper` that is mended with the map of before and the last pose."""
+
+    def strike(graph: FaultGraph) -> None:
+        set_parameters(graph, _MAPPER, map_file=str(graph.out / fault.name))
+        graph.notes["map"] = graph.call(f"{_MAPPER}/save_map").message
+        graph.notes["struck_ns"] = graph.relay.now_ns
+        fault.strike(graph)
+
+    def mend(graph: FaultGraph) -> None:
+        last = graph.watch.poses[-1][1]
+        graph.start_node(_MAPPER, "-p", f"start_map:={graph.notes['map']}")
+        _place(graph, last)
+
+    return replace(fault, strike=strike, mend=mend)
+
+
+def _place(graph: FaultGraph, pose: SE2) -> None:
+    """Tell the mapper where the robot is, as a person would on a screen, until it says so too."""
+    publisher = graph.watch.create_publisher(PoseWithCovarianceStamped, "initialpose", RELIABLE_QOS)
+    graph.wait(lambda: publisher.get_subscription_count() > 0, "grid_mapper")
+    msg = PoseWithCovarianceStamped()
+    msg.pose.pose = se2_to_pose(pose)
+    msg.header.frame_id = "map"
+    for axis in (0, 7, 35):
+        msg.pose.covariance[axis] = 0.05
+    num = graph.watch.counts.get("pose", 0)
+    for _ in range(5):
+        publisher.publish(msg)
+        graph.spin_sim(1.0)
+        if graph.watch.counts.get("pose", 0) > num:
+            break
+    graph.watch.destroy_publisher(publisher)
 
 
 def _killed(name: str, expected: str, kind: str, limit_s: float = 0.0) -> Fault:
