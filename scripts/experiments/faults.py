@@ -14,10 +14,20 @@ from typing import Any
 
 from _demo_domain import join_domain
 from _processes import ChildDiedError
-from experiments.faults_case import Fault, Row, run_fault
+from experiments.faults_case import Fault, run_fault
 from experiments.faults_graph import FaultGraph, GraphError
+from experiments.faults_network import (
+    NETWORK,
+    is_inside,
+    network,
+    network_faults,
+    run_on_hosts,
+    start_link,
+    why_no_network,
+)
 from experiments.faults_page import faults_page
 from experiments.faults_pictures import draw_speeds, write_trace
+from experiments.faults_result import Row
 from experiments.faults_rows import other_sensor_faults, scan_faults, traffic_faults
 from experiments.faults_rows_clock import clock_faults
 from experiments.faults_rows_field import camera_faults
@@ -46,10 +56,11 @@ def all_faults(seed: int = 0) -> dict[str, list[Fault]]:
             simulator_fault(),
         ],
         "field": camera_faults(),
+        NETWORK: network_faults(),
     }  # fmt: skip
 
 
-_SETUPS = {"hall": hall, "field": field}
+_SETUPS = {"hall": hall, "field": field, NETWORK: network}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -83,6 +94,9 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     values |= {"faults": [], "passed": 0, "total": 0, "sim_s": 0.0, "graphs_started": 0}
     for name, faults in all_faults(args.seed).items():
         chosen = [f for f in faults if not args.only or f.name in args.only]
+        if chosen and name == NETWORK and not is_inside():
+            _run_network(args, values, rows)
+            continue
         while chosen:
             chosen = _run_graph(_SETUPS[name](), chosen, args, values, rows)
     values["ok"] = values["passed"] == values["total"]
@@ -103,6 +117,8 @@ def _run_graph(
     values["graphs_started"] += 1
     out = args.out_dir / f"{setup.name}-{values['graphs_started']}"
     with FaultGraph(setup, out, args.seed) as graph:
+        if setup.name == NETWORK:
+            start_link(graph)
         graph.start(lambda text: say(text, is_quiet=args.quiet))
         left = list(faults)
         while left:
@@ -119,6 +135,21 @@ def _run_graph(
                 break
         values["sim_s"] += graph.sim_s
     return left
+
+
+def _run_network(args: argparse.Namespace, values: dict[str, Any], rows: list[Row]) -> None:
+    """Run the fault of the line on hosts of its own; where none can be made, it is left out."""
+    values["network"] = why_no_network() or "run"
+    if values["network"] != "run":
+        say(f"left out, lossy-network: {values['network']}", is_quiet=args.quiet)
+        return
+    say("lossy-network runs on two hosts of its own ...", is_quiet=args.quiet)
+    found = run_on_hosts(args, args.out_dir / NETWORK)
+    for told in found["faults"]:
+        rows.append(Row(**{key: value for key, value in told.items() if key != "passed"}))
+        say(_line(rows[-1]), is_quiet=args.quiet)
+    values["sim_s"] += found["sim_s"]
+    _fill(values, rows)
 
 
 def _failed(fault: Fault, setup: Setup, text: str) -> Row:

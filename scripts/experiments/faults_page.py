@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from experiments.faults_case import Row
+from experiments.faults_result import Row
 
 _HEAD = """\
 # Faults, and what the robot does

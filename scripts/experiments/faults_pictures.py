@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from experiments.faults_case import Row, Trace
 from experiments.faults_judge import Moved
+from experiments.faults_result import Row, Trace
 
 _COLUMNS, _WIDTH, _HEIGHT = 4, 3.4, 1.9
 _COMMAND, _TRUE, _FAULT, _BAD = "tab:blue", "black", "#f3d9a4", "tab:red"

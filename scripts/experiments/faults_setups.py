@@ -38,6 +38,7 @@ class Setup:
         scan_topic: What the planner drives by.
         write: Writes what the nodes are told.
         command: Gives the command that starts a node.
+        is_paced: Whether the simulator's time waits for commands.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Setup:
     write: Callable[[Path, World, RobotModel], Path]
     command: Callable[[str, Path], list[str]]
     relays_stereo: bool = False
+    is_paced: bool = True
 
     def load(self) -> tuple[World, RobotModel, SE2]:
         """Return the world, its robot, and where the robot starts."""

@@ -18,10 +18,11 @@ import pytest
 pytest.importorskip("rclpy", reason="no ROS: nodes cannot be started")
 pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 
-from hosts import TwoHosts, why_not
-from lossy_link import is_multicast, plan, without_checksum
 from node_process import NodeProcess
 from team_scene import POSES, write_landmarks
+
+from experiments.lossy_link import is_multicast, plan, without_checksum
+from experiments.network_hosts import TwoHosts, why_not
 
 HERE = Path(__file__).parent
 NODE = (HERE / "listening.py", "multi_localizer.nodes.team_localizer_node")

@@ -1,4 +1,4 @@
-"""Separate hosts on one machine: network namespaces with a cable between them that a test makes.
+"""Separate hosts on one machine: network namespaces with a cable between them that we make.
 
 Each host has a network, a host name, shared memory and a /tmp of its own, so that DDS takes it for
 what it is: another machine. Both ends of the cable lie in a third namespace, where `lossy_link.py`
@@ -65,10 +65,13 @@ class TwoHosts:
             _must("ip", "-n", self.cable, "link", "set", f"to_{side}", "up")
         self._keepers = {side: _keep(host) for side, host in self.hosts.items()}
 
+    def keeper(self, side: str) -> int:
+        """Return the process that keeps what is a host's own."""
+        return self._keepers[side].pid
+
     def join(self, side: str, command: Sequence[str]) -> list[str]:
         """Return the command that runs another one on a host."""
-        keeper = str(self._keepers[side].pid)
-        return ["nsenter", "-t", keeper, "-m", "-u", "-i", "-n", *command]
+        return joined(self.keeper(side), command)
 
     def command(self, side: str, *words: str | Path) -> list[str]:
         """Return the command that runs a python script on a host."""
@@ -76,8 +79,7 @@ class TwoHosts:
 
     def link_command(self, *words: str) -> list[str]:
         """Return the command of the cable."""
-        devices = ["to_a", "to_b"]
-        return ["ip", "netns", "exec", self.cable, sys.executable, str(LINK), *devices, *words]
+        return link_command(self.cable, *words)
 
     def remove(self) -> None:
         """Take them away; their processes have ended."""
@@ -86,6 +88,17 @@ class TwoHosts:
             keeper.communicate()
         for name in (*self.hosts.values(), self.cable):
             _run("ip", "netns", "delete", name)
+
+
+def joined(keeper: int, command: Sequence[str]) -> list[str]:
+    """Return the command that runs another one on the host of a process that keeps it."""
+    return ["nsenter", "-t", str(keeper), "-m", "-u", "-i", "-n", *command]
+
+
+def link_command(cable: str, *words: str) -> list[str]:
+    """Return the command that carries frames between the devices of a cable's namespace."""
+    devices = ["to_a", "to_b"]
+    return ["ip", "netns", "exec", cable, sys.executable, str(LINK), *devices, *words]
 
 
 def _keep(host: str) -> subprocess.Popen[str]:

@@ -47,6 +47,7 @@ class Tally:
         self._num = self._lost = self._doubled = 0
 
     def draw(self) -> list[float]:
+        """Return after how long each copy of the next frame arrives, s."""
         delays = plan(self._rng, *self._line)
         self._num += 1
         self._lost += not delays
@@ -82,6 +83,7 @@ def carry(ends: list[socket.socket], draw: Callable[[], list[float]], is_unicast
 
 
 def main() -> int:
+    """Carry frames until it is told to end."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("devices", nargs=2)
     parser.add_argument("--loss", type=float, default=0.0)
