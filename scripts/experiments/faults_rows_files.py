@@ -65,7 +65,8 @@ def file_faults(seed: int) -> list[Fault]:
         ),
         Fault(
             name="fuzz-live", what="values that cannot be are set on the nodes that run",
-            kind=DRIVE, expected=f"each refused with the parameter's name, or as of a wrong type; {_ON}",
+            expected=f"each refused with the parameter's name, or as of a wrong type; {_ON}",
+            kind=DRIVE,
             strike=_set_nonsense, check=_no_problems, hold_s=0.5,
         ),
     ]  # fmt: skip
