@@ -58,9 +58,9 @@ _BESIDE = {
     "heading_changes": "turns / VFH+, both", "runs_both": "of runs, both",
 }  # fmt: skip
 _SHOWN = {
-    "runs": "runs", "success": "success", "collisions_caused": "caused", "collisions_theirs": "theirs",
-    "collisions_things": "things", "time_s": "time s", "path_ratio": "path / line",
-    "min_distance_m": "least m", "time_not_moving_s": "at rest s",
+    "runs": "runs", "success": "success", "collisions_caused": "caused",
+    "collisions_theirs": "theirs", "collisions_things": "things", "time_s": "time s",
+    "path_ratio": "path / line", "min_distance_m": "least m", "time_not_moving_s": "at rest s",
     "longest_stop_s": "longest s", "long_stops_where_all_yield": "over 5 s",
     "heading_changes": "turns", "intimate_s": "< 0.45 m s", "personal_s": "< 1.2 m s",
 }  # fmt: skip

@@ -38,7 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
         "--runs", type=int, default=NUM_RUNS, metavar="N",
-        help=f"runs of {' and '.join(CLAIMED)} (default: {NUM_RUNS}), {NUM_OTHERS} at most of others",
+        help=f"runs of {' and '.join(CLAIMED)} (default: {NUM_RUNS}); {NUM_OTHERS} of others",
     )  # fmt: skip
     parser.add_argument(
         "--quick", action="store_true", help=f"{NUM_QUICK} runs of each only, to try it out"

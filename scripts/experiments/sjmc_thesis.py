@@ -56,7 +56,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
         "--runs", type=int, default=NUM_RUNS, metavar="N",
-        help=f"repetitions of sjmc with people, from {CLAIMED_M:g} m on; all else gets {NUM_OTHERS} "
+        help=f"repetitions of sjmc with people, from {CLAIMED_M:g} m on; all else {NUM_OTHERS} "
         f"at most (default: {NUM_RUNS})",
     )  # fmt: skip
     parser.add_argument(
