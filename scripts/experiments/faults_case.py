@@ -211,7 +211,8 @@ def _row(
     error = graph.watch.pose_error(graph.T_world_goals)
     seen = verdict.seen + (f"; {problem}" if problem else "")
     if recover_s is None:
-        seen += f"; planner: {': '.join(graph.watch.state)}"
+        mapping = graph.watch.said.get("/grid_mapper: mapping", ("", ""))[1]
+        seen += f"; planner: {': '.join(graph.watch.state)}; mapper: {mapping}"
     elif error is not None and error > 0.1:
         seen += f"; pose {error:.2f} m off"
     return Row(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,7 +12,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from rclpy.node import Node
 
 from experiments.faults_case import Act, Fault
-from experiments.faults_graph import SIMULATOR, FaultGraph, set_parameters
+from experiments.faults_graph import SIMULATOR, FaultGraph, GraphError, set_parameters
 from experiments.faults_judge import BASE, DRIVE, HALT, OTHER, STAND
 from floornav_common.ros.messages import se2_to_pose
 from floornav_common.ros.qos import RELIABLE_QOS
@@ -24,6 +25,7 @@ BASE_S = 0.5
 _POSE_S = 0.6
 """Limit on the pose's age, and how far ahead `grid_mapper` stamps map to odom."""
 _MAPPER = "grid_mapper"
+_TIMES, _FOUND_S = 3, 10.0
 _INTRUDER, _INTRUDER_PERIOD_S = "intruder", 0.05
 _AWAY_M = 1.5
 
@@ -31,7 +33,7 @@ _AWAY_M = 1.5
 def process_faults() -> list[Fault]:
     """Return the faults of nodes that end."""
     on = "drives on by what it has; goes on to new goals when it is back"
-    again = "started again on the map saved before, told where it was last"
+    again = "started again on the map saved before, told where it is to 0.1 m"
     late = "the base brakes 0.5 s after the last command (its own limit)"
     pose = "zero when map to odom, stamped 0.1 s ahead, is 0.5 s old"
     return [
@@ -56,7 +58,7 @@ def simulator_fault() -> Fault:
         graph.start_node(SIMULATOR)
         began_ns = graph.relay.now_ns
         graph.wait(lambda: graph.relay.now_ns > began_ns, "simulated time", 600.0)
-        _place(graph, SE2.identity())
+        _place(graph)
 
     def problem(graph: FaultGraph) -> str:
         state, reason = graph.watch.state
@@ -115,15 +117,16 @@ def _with_saved_map(fault: Fault) -> Fault:
         fault.strike(graph)
 
     def mend(graph: FaultGraph) -> None:
-        last = graph.watch.poses[-1][1]
         graph.start_node(_MAPPER, "-p", f"start_map:={graph.notes['map']}")
-        _place(graph, last)
+        _place(graph)
 
     return replace(fault, strike=strike, mend=mend)
 
 
-def _place(graph: FaultGraph, pose: SE2) -> None:
-    """Tell the mapper where the robot is, as a person would on a screen, until it says so too."""
+def _place(graph: FaultGraph) -> None:
+    """Tell the mapper where the robot is, to 0.1 m and 0.1 rad as a person would on a screen."""
+    true = graph.T_world_goals.inverse() @ graph.watch.truth[-1][1]
+    pose = SE2(*(round(value, 1) for value in (true.x, true.y, true.yaw)))
     publisher = graph.watch.create_publisher(PoseWithCovarianceStamped, "initialpose", RELIABLE_QOS)
     graph.wait(lambda: publisher.get_subscription_count() > 0, "grid_mapper")
     msg = PoseWithCovarianceStamped()
@@ -132,10 +135,10 @@ def _place(graph: FaultGraph, pose: SE2) -> None:
     for axis in (0, 7, 35):
         msg.pose.covariance[axis] = 0.05
     num = graph.watch.counts.get("pose", 0)
-    for _ in range(5):
+    for _ in range(_TIMES):
         publisher.publish(msg)
-        graph.spin_sim(1.0)
-        if graph.watch.counts.get("pose", 0) > num:
+        with contextlib.suppress(GraphError):  # then it is told once more
+            graph.wait(lambda: graph.watch.counts.get("pose", 0) > num, "a pose", _FOUND_S)
             break
     graph.watch.destroy_publisher(publisher)
 
