@@ -64,7 +64,7 @@ def test_a_sonar_without_an_echo_is_free_as_far_as_it_reaches() -> None:
     def reading(value: float) -> Msg:
         return Msg(range=value, field_of_view=0.3, min_range=0.2, max_range=4.0)
 
-    cones = {str(k): (reading(r), HERE) for k, r in enumerate((1.5, 4.0, math.inf, math.nan))}
+    cones = [(reading(r), HERE) for r in (1.5, 4.0, math.inf, math.nan)]
     found = json.loads(draw.sonar_message(cones))["cones"]
     assert [(c["reach"], c["echo"]) for c in found] == [(1.5, True)] + 3 * [(4.0, False)]
 

@@ -227,3 +227,14 @@ def test_a_port_that_is_taken_is_said_in_one_line(start) -> None:
     assert second.wait_for_exit() == 2
     assert f"/live_view: port {port} cannot be had" in second.text
     assert "Traceback" not in second.text
+
+
+def test_a_machine_without_the_server_library_is_told_in_one_line(
+    start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "websockets.py").write_text("# an old one: it has no asyncio.server\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    node = start(*NODE)
+    assert node.wait_for_exit(120.0) == 2
+    assert "/live_view: the package websockets, 13 or newer, is not installed" in node.text
+    assert "Traceback" not in node.text

@@ -49,7 +49,7 @@ class LiveTopics:
             LiveInput(node, Range, topic, sonar_qos, keep=_SONARS_KEPT)
             for topic in config.sonar_topics
         ]
-        self._cones: dict[str, tuple[Any, SE2]] = {}
+        self._cones: dict[str, tuple[Any, SE2, int]] = {}
         self._scan = stamped_input(node, LaserScan, "scan", SENSOR_QOS)
         self._maps = {
             "map": LiveInput(node, OccupancyGrid, "map", LATCHED_QOS),
@@ -179,15 +179,19 @@ class LiveTopics:
         new = [(each.topic, msg) for each in self._sonars for msg in each.messages]
         for each in self._sonars:
             each.messages.clear()
-        base = self._node.frames.base
+        if not new:
+            return None
+        base, now_ns = self._node.frames.base, self._node.time.steady_ns()
         for topic, msg in new:
             frame = msg.header.frame_id
             try:
                 T_base_sonar = self._node.transforms.buffer.lookup(base, frame).to_se2()
             except (TransformUnavailable, ValueError):
                 continue  # the mapper says it; without its place a sonar is not drawn
-            self._cones[f"{topic} {frame}"] = msg, T_base_sonar
-        return draw.sonar_message(self._cones) if new else None
+            self._cones[f"{topic} {frame}"] = msg, T_base_sonar, now_ns
+        oldest_ns = now_ns - int(self._config.silent_after_s * _NS)
+        self._cones = {key: cone for key, cone in self._cones.items() if cone[2] >= oldest_ns}
+        return draw.sonar_message([cone[:2] for cone in self._cones.values()])
 
     def _markers_drawn(self) -> Message | None:
         msg = self._markers.take()

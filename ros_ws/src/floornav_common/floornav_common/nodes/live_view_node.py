@@ -11,12 +11,12 @@ Serves http://127.0.0.1:8765/ (`port`), on loopback only.
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
 from geometry_msgs.msg import PoseStamped
 
 from floornav_common.live_view.config import LiveViewConfig
 from floornav_common.live_view.encoding import text_message
-from floornav_common.live_view.server import GoalAsked, LiveViewServer
 from floornav_common.nodes.live_health import LiveHealth
 from floornav_common.nodes.live_topics import LiveTopics
 from floornav_common.ros.diagnostics import OK, Status
@@ -25,6 +25,9 @@ from floornav_common.ros.messages import se2_to_pose
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.parameters import ParameterError, declare_config
 from floornav_common.ros.qos import RELIABLE_QOS, create_publisher
+
+if TYPE_CHECKING:
+    from floornav_common.live_view.server import GoalAsked, LiveViewServer
 
 _LINGER_NS = 5_000_000_000  # a page that is loaded again finds everything as it was
 
@@ -50,11 +53,19 @@ class LiveViewNode(FloornavNode):
         self.get_logger().info(f"open {self._server.url} in a browser on this machine")
 
     def _serve(self) -> LiveViewServer:
+        name = self.get_fully_qualified_name()
         try:
+            from floornav_common.live_view.server import LiveViewServer
+
             return LiveViewServer(self._config.port)
+        except ImportError as error:
+            raise ParameterError(
+                f"{name}: the package websockets, 13 or newer, is not installed "
+                f"(requirements-robot.txt): {error}"
+            ) from error
         except OSError as error:
             raise ParameterError(
-                f"{self.get_fully_qualified_name()}: port {self._config.port} cannot be had "
+                f"{name}: port {self._config.port} cannot be had "
                 f"({error.strerror}): give another with -p port:=..., or 0 for any"
             ) from error
 

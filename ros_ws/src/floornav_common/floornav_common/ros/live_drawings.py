@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -56,14 +56,14 @@ def scan_message(msg: Any, T_map_laser: SE2) -> bytes:
     return binary_message("scan", points_payload(points), sensor=pose_values(T_map_laser))
 
 
-def sonar_message(cones: Mapping[str, tuple[Any, SE2]]) -> str:
+def sonar_message(cones: Sequence[tuple[Any, SE2]]) -> str:
     """Return the newest cone of each sonar, in the robot's frame.
 
     Args:
-        cones: sensor_msgs/Range and `T_base_sonar` by sonar.
+        cones: sensor_msgs/Range and `T_base_sonar` of each.
     """
     found = []
-    for msg, T_base_sonar in cones.values():
+    for msg, T_base_sonar in cones:
         reading = range_from_msg(msg)
         is_echo = reading.min_range <= reading.range < reading.max_range
         reach = reading.range if is_echo else reading.max_range
