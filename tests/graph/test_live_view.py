@@ -171,6 +171,8 @@ def test_messages_that_cannot_be_drawn_are_named_and_the_node_lives(looked_at) -
     lost = room(room_cells(), frame="elsewhere")
     scene.maps.publish(lost)
     looker.until(lambda: "scan" in looker.heard, scene.stand)
+    told = "what is in 'elsewhere' cannot be drawn: frame 'elsewhere' is not in the transform tree"
+    looker.until(lambda: any(told in text for text in problems(looker)), scene.stand)
     assert "map" not in looker.heard
     scene.maps.publish(room(room_cells()))
     looker.until(lambda: "map" in looker.heard, scene.stand)

@@ -68,8 +68,8 @@ class LiveHealth:
     def _pose(self) -> str:
         """Return where the robot is, by the newest transforms."""
         base = self._node.frames.base
-        pose = self._topics.in_map(base)
-        self._pose_problem = self._topics.faults.get(f"frame {base}", "")
+        pose = self._topics.frames.find(base)
+        self._pose_problem = self._topics.frames.why_not(base)
         if pose is None:
             return text_message("pose", pose=None)
         age_s = self._pose_age_s()
@@ -120,5 +120,9 @@ class LiveHealth:
             found.append(scan_input.missing(self.silent_after_s))
         if self._pose_problem and not is_stopped:
             found.append(f"no pose of the robot: {self._pose_problem}")
-        found += [text for key, text in self._topics.faults.items() if not key.startswith("frame ")]
+        found += self._topics.faults.values()
+        base = self._node.frames.base
+        # Without a pose nothing of the robot's is placed: said once.
+        if not self._pose_problem:
+            found += self._topics.frames.problems(self.silent_after_s, but=base)
         return [text for text in found if text]

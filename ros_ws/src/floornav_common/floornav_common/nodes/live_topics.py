@@ -13,6 +13,7 @@ from sensor_msgs.msg import Image, LaserScan, Range
 from visualization_msgs.msg import MarkerArray
 
 from floornav_common.live_view.config import LiveViewConfig
+from floornav_common.nodes.map_frames import MapFrames
 from floornav_common.ros import live_drawings as draw
 from floornav_common.ros.arrays import from_field
 from floornav_common.ros.live_inputs import LiveInput, stamped_input
@@ -37,12 +38,14 @@ class LiveTopics:
 
     Attributes:
         faults: What cannot be drawn, by topic.
+        frames: Where frames are on the map.
     """
 
     def __init__(self, node: FloornavNode, config: LiveViewConfig) -> None:
         """Subscribe."""
         self._node, self._config = node, config
         self.faults: dict[str, str] = {}
+        self.frames = MapFrames(node)
         sonar_qos = copy_qos(SENSOR_QOS)
         sonar_qos.depth = _SONARS_KEPT
         self._sonars = [
@@ -92,6 +95,7 @@ class LiveTopics:
         self._drawn_maps.clear()
         self._cones.clear()
         self.faults.clear()
+        self.frames.clear()
         for each in self.inputs:
             each.open()
 
@@ -118,19 +122,6 @@ class LiveTopics:
             self._add(found, "image", self._image.topic, self._picture)
         return found
 
-    def in_map(self, frame: str, stamp_ns: int | None = None) -> SE2 | None:
-        """Return `T_map_frame` at a stamp, or the newest; None, and a fault, if it is not known."""
-        target = self._node.frames.map
-        if frame.lstrip("/") == target:
-            return SE2.identity()
-        try:
-            found = self._node.transforms.buffer.lookup(target, frame, stamp_ns).to_se2()
-        except (TransformUnavailable, ValueError) as error:
-            self.faults[f"frame {frame}"] = str(error)
-            return None
-        self.faults.pop(f"frame {frame}", None)
-        return found
-
     def _add(
         self, found: dict[str, Message], slot: str, topic: str, make: Callable[[], Message | None]
     ) -> None:
@@ -147,7 +138,7 @@ class LiveTopics:
     def _map(self, slot: str, each: LiveInput) -> Message | None:
         if not each.messages:
             return None
-        T_map_frame = self.in_map(each.messages[-1].header.frame_id)
+        T_map_frame = self.frames.find(each.messages[-1].header.frame_id)
         if T_map_frame is None:
             return None  # it waits
         msg = each.take()
@@ -159,18 +150,18 @@ class LiveTopics:
     def _way(self, slot: str, each: LiveInput) -> Message | None:
         if not each.messages:
             return None
-        T_map_frame = self.in_map(each.messages[-1].header.frame_id)
+        T_map_frame = self.frames.find(each.messages[-1].header.frame_id)
         return None if T_map_frame is None else draw.way_message(slot, each.take(), T_map_frame)
 
     def _goal_drawn(self) -> Message | None:
         if not self._goal.messages:
             return None
-        T_map_frame = self.in_map(self._goal.messages[-1].header.frame_id)
+        T_map_frame = self.frames.find(self._goal.messages[-1].header.frame_id)
         return None if T_map_frame is None else draw.goal_message(self._goal.take(), T_map_frame)
 
     def _scan_drawn(self) -> Message | None:
         def find(msg: Any) -> SE2 | None:
-            return self.in_map(msg.header.frame_id, stamp_to_ns(msg.header.stamp))
+            return self.frames.find(msg.header.frame_id, stamp_to_ns(msg.header.stamp))
 
         found = self._scan.take_with(find)
         return None if found is None else draw.scan_message(*found)
@@ -198,7 +189,7 @@ class LiveTopics:
         if msg is None:
             return None
         frames = {marker.header.frame_id for marker in msg.markers if marker.header.frame_id}
-        places = {frame: self.in_map(frame) for frame in frames}
+        places = {frame: self.frames.find(frame) for frame in frames}
         return draw.markers_message(msg, {f: T for f, T in places.items() if T is not None})
 
     def _picture(self) -> Message | None:
