@@ -50,6 +50,7 @@ class Robot:
         self._odom = peer.publisher(Odometry, "odom", RELIABLE_QOS, to=node)
         self.silent: set[str] = set()
         self.ranges = np.full(NUM_BEAMS, np.inf)
+        self.noise_m = 1e-6  # no laser measures the very same twice
         self.stamp_ns: int | None = None
         self.frame = "laser"
         self.child = "base_link"
@@ -81,7 +82,8 @@ class Robot:
             msg.range_min = self.range_min
             msg.header.stamp = time_of(stamp_ns - self.age_ns["scan"])
             msg.header.frame_id = self.frame
-            msg.ranges = self.ranges.astype(np.float32).tolist()
+            self.noise_m = -self.noise_m
+            msg.ranges = (self.ranges + self.noise_m).astype(np.float32).tolist()
             self._scan.publish(msg)
         self.peer.spin(0.05)
 

@@ -102,6 +102,16 @@ def test_a_scan_of_no_numbers_brakes_it_from_the_next_period_on_as_hard_as_it_ma
     assert end_ns <= came_ns + 2 * PERIOD_NS + (0.4 / 0.3) * S
 
 
+def test_a_laser_that_repeats_itself_stops_it_once_it_has_moved(launch):
+    robot = launch(*GOAL_POSE, tell=tell_goal).robot
+    robot.ranges, robot.noise_m, robot.speed = np.full(NUM_BEAMS, 5.0), 0.0, 0.3
+    came_ns = robot.stamp_ns
+    assert last_that_moves(robot) <= came_ns + (0.1 / 0.3) * S + 2 * PERIOD_NS
+    assert robot.is_in("stopped", "the sensor is stuck")()
+    robot.noise_m = 1e-6
+    robot.until(lambda: speed_of(robot.commands[-1]) > 0.2)
+
+
 @pytest.mark.parametrize(
     "xs", [(), (1.0, float("nan"))], ids=["taken back, as with a goal off the map", "no numbers"]
 )
