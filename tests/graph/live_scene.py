@@ -69,13 +69,14 @@ class Scene:
         node: The live view; None to publish whether it hears or not.
         namespace: Of the robot, such as `/r2`.
         prefix: Of its frames, such as `r2/`.
+        tf: Its TF topic.
     """
 
     def __init__(
-        self, peer: Peer, node: NodeProcess, namespace: str = "", prefix: str = ""
+        self, peer: Peer, node: NodeProcess, namespace: str = "", prefix: str = "", tf: str = "/tf"
     ) -> None:
         self.peer, self.prefix, self.ns = peer, prefix, namespace
-        self.tf = peer.publisher(TFMessage, "/tf", 100, to=node)
+        self.tf = peer.publisher(TFMessage, tf, 100, to=node)
         self.maps = self._publisher(OccupancyGrid, "map", LATCHED, node)
         self.scans = self._publisher(LaserScan, "scan", 10, node)
 

@@ -206,19 +206,27 @@ def test_pictures_and_markers_are_asked_for_only_while_somebody_looks(start, pee
     peer.spin_until(lambda: counts() == [0, 0, 0, 0])
 
 
-def test_a_robot_with_a_namespace_and_prefixed_frames(start, peer) -> None:
-    node, url = begin(start, "-r", "__ns:=/r2", "-p", "frame_prefix:=r2/")
-    scene = Scene(peer, node, "/r2", "r2/")
+@pytest.mark.parametrize(
+    ("prefix", "words"),
+    [
+        ("r2/", ("-p", "frame_prefix:=r2/")),
+        ("", ("-r", "/tf:=tf", "-r", "/tf_static:=tf_static")),
+    ],
+    ids=["prefixed frames", "own TF topic"],
+)
+def test_a_robot_with_a_namespace_in_both_usual_ways(start, peer, prefix: str, words) -> None:
+    node, url = begin(start, "-r", "__ns:=/r2", *words)
+    scene = Scene(peer, node, "/r2", prefix, tf="/tf" if prefix else "/r2/tf")
     goals = peer.collect(PoseStamped, "/r2/goal_pose", 10)
     node.wait_for("/r2/goal_pose is sent to 2")
     looker = Looker(url)
-    scene.maps.publish(room(room_cells(), "r2/map"))
+    scene.maps.publish(room(room_cells(), f"{prefix}map"))
     looker.until(lambda: {"map", "scan", "info"} <= set(looker.heard), scene.stand)
     assert np.allclose(floats(looker.heard["scan"][1])[0], [3.5, 0.0], atol=TOL_M)
     assert looker.values("info")["robot"] == "/r2"
     looker.say(goal_text(1.0, 2.0, 0.0))
     looker.until(lambda: goals, scene.stand)
-    assert goals[0].header.frame_id == "r2/map"
+    assert goals[0].header.frame_id == f"{prefix}map"
     looker.close()
 
 
