@@ -52,9 +52,8 @@ class LocalPlannerNode(FloornavNode):
         self.transforms.on_restart(self._commands.halt)
         self.time.on_look(self._look)
         self.create_service(SetBool, "~/enable", self._on_enable)
-        compile_kernels()
         self.create_timer(self._config.control_period_s, self._control)
-        self.ready()
+        self.ready(compile_kernels)
 
     def _set_config(self, config: LocalPlannerConfig) -> None:
         self._config, self._method = config, make_method(config)
