@@ -47,6 +47,7 @@ class Fault:
         is_first_good: Whether the first changed one is still good, and the limit counts from it.
         check: Looks before it ends; gives what is wrong, "" for nothing.
         after: Looks when the robot drives again; gives what is wrong.
+        note: Looks before it ends; gives what else was seen.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Fault:
     is_first_good: bool = False
     check: Callable[[FaultGraph], str] = _no_problem
     after: Callable[[FaultGraph], str] = _no_problem
+    note: Callable[[FaultGraph], str] = _no_problem
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ def _run_once(graph: FaultGraph, fault: Fault) -> Row:
     fault.strike(graph)
     struck_ns = graph.notes["struck_ns"]  # it may have had to get ready first
     _hold(graph, fault)
-    problem, end_ns = fault.check(graph), graph.relay.now_ns
+    problem, end_ns, note = fault.check(graph), graph.relay.now_ns, fault.note(graph)
     due_ns = _due(graph, fault, struck_ns)
     record = graph.watch.record
     verdict = judge(record, fault.kind, struck_ns, due_ns, end_ns, graph.setup.decel)
@@ -105,6 +107,7 @@ def _run_once(graph: FaultGraph, fault: Fault) -> Row:
     recover_s = _recovery(graph, end_ns)
     problem = problem or fault.after(graph) or _aftermath(graph, before, end_ns)
     row = _row(graph, fault, verdict, problem, recover_s, _lost(graph, before))
+    row.seen += f"; {note}" if note else ""
     row.trace = _trace(graph, struck_ns, due_ns, end_ns)
     return row
 

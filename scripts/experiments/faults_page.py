@@ -39,6 +39,23 @@ says so.
 
 """
 _FOOT = """
+## What to know beside the table
+
+- `image-upside-down` is not noticed by any node: to `floor_detector` it is a room turned round.
+  The row only says that nothing was touched while it lasted.
+- A second publisher on `cmd_vel` is named on `/diagnostics`, and the robot obeys both: end it, or
+  put a multiplexer before the base.
+- `local_planner` that is killed sends no zero. That the robot then stands is the base's own limit
+  on silence; without one in the driver nothing stops it.
+- `grid_mapper` keeps its map in memory. One that is killed is started again with `start_map` on
+  what `~/save_map` wrote last, and is told on `initialpose` where the robot is: by itself it looks
+  again only once the robot has moved.
+- Ten times real time is what is asked for; the row says what was reached, as time waits for the
+  planner. A tenth is kept to.
+- Parameters of a wrong type are refused by rclpy, whose text does not name them.
+- `lossy-network` needs network namespaces (Linux, root); where they may not be made it is left out
+  and the run says so. `lossy-relay` does the same to messages anywhere.
+
 `DIR/report.html` has the same with a plot of each drive; `DIR/traces/*.csv` the commands and the
 motion behind it; `DIR/<graph>/logs/` what each process said.
 """

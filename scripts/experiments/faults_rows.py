@@ -45,7 +45,7 @@ def scan_faults() -> list[Fault]:
         Fault(
             name="scan-stuck", what="the same ranges again and again, with new stamps",
             kind=HALT, topic="scan", limit_s=INPUT_S,
-            expected="zero once the robot has moved and 0.5 s brought no other range",
+            expected="zero within 0.5 s, as the robot has moved and the ranges have not",
             is_first_good=True, **changing("scan", lambda: Freeze(keeps_stamp=False)),
         ),
         Fault(

@@ -52,11 +52,12 @@ def clock_faults() -> list[Fault]:
         Fault(
             name="clock-tenth", what="time goes at a tenth of real time", kind=DRIVE,
             expected="drives on as if nothing were", strike=_at(_SLOW), mend=_at(1.0), hold_s=1.5,
+            note=_factor,
         ),
         Fault(
             name="clock-ten-times", kind=DRIVE,
             what="ten times real time is asked for; the simulation waits for the planner",
-            expected="drives on", strike=_at(_FAST), mend=_at(1.0),
+            expected="drives on", strike=_at(_FAST), mend=_at(1.0), note=_factor,
         ),
     ]  # fmt: skip
 
@@ -80,7 +81,17 @@ def _set_up(graph: FaultGraph, **values: object) -> None:
 
 
 def _at(factor: float) -> Act:
-    return lambda graph: _set_up(graph, real_time_factor=factor)
+    def act(graph: FaultGraph) -> None:
+        _set_up(graph, real_time_factor=factor)
+        graph.notes["since"] = time.monotonic(), graph.sim_s
+
+    return act
+
+
+def _factor(graph: FaultGraph) -> str:
+    real, simulated = graph.notes["since"]
+    factor = (graph.sim_s - simulated) / (time.monotonic() - real)
+    return f"{factor:.2f} times real time was reached"
 
 
 def _pause(graph: FaultGraph) -> None:

@@ -47,7 +47,7 @@ def file_faults(seed: int) -> list[Fault]:
             hold_s=1.0,
         ),
         Fault(
-            name="malformed-worlds", what=f"sim_bridge is started on malformed worlds; {_ON}",
+            name="malformed-worlds", what="sim_bridge is started on malformed worlds",
             kind=DRIVE, expected=f"each ends with 2 and one line; {_ON}",
             strike=_starting(_world_commands), check=_no_problems, hold_s=0.5,
         ),

@@ -27,6 +27,7 @@ _POSE_S = 0.6
 _MAPPER = "grid_mapper"
 _TIMES, _FOUND_S = 3, 10.0
 _INTRUDER, _INTRUDER_PERIOD_S = "intruder", 0.05
+_DRIVER, _LOCALIZER = "other_driver", "other_localizer"
 _AWAY_M = 1.5
 
 
@@ -80,13 +81,14 @@ def company_faults() -> list[Fault]:
         Fault(
             name="second-cmd_vel", what="another node sends commands too", kind=DRIVE,
             expected="an ERROR on /diagnostics that names it; touches nothing",
-            strike=_intrude(_send_commands), mend=_leave, check=_is_named("cmd_vel"), hold_s=4.0,
+            strike=_intrude(_DRIVER, _send_commands), mend=_leave, hold_s=4.0,
+            check=_is_named(_DRIVER, "cmd_vel"),
         ),
         Fault(
             name="second-map-odom", what="another node sends map to odom, 1.5 m beside", kind=OTHER,
             expected="grid_mapper sends none any more, and an ERROR that names the other",
-            strike=_intrude(_send_transforms), mend=_leave, hold_s=4.0,
-            check=_is_named("transform map to odom"),
+            strike=_intrude(_LOCALIZER, _send_transforms), mend=_leave, hold_s=4.0,
+            check=_is_named(_LOCALIZER, "transform map to odom"),
         ),
         Fault(
             name="tf-missing", what="local_planner starts anew, and no /tf_static comes",
@@ -162,11 +164,11 @@ def _ended(name: str, expected: str, kind: str, limit_s: float = 0.0) -> Fault:
     )  # fmt: skip
 
 
-def _intrude(make: Callable[[Node, FaultGraph], Callable[[], None]]) -> Act:
+def _intrude(name: str, make: Callable[[Node, FaultGraph], Callable[[], None]]) -> Act:
     """Return what starts a node that does something twenty times a second."""
 
     def strike(graph: FaultGraph) -> None:
-        node = Node(_INTRUDER)
+        node = Node(name)
         node.create_timer(_INTRUDER_PERIOD_S, make(node, graph))
         graph.notes[_INTRUDER] = node
         graph.add(node)
@@ -201,12 +203,13 @@ def _without_statics(graph: FaultGraph) -> None:
     graph.notes["struck_ns"] = graph.relay.now_ns
 
 
-def _is_named(part: str) -> Callable[[FaultGraph], str]:
+def _is_named(name: str, part: str) -> Callable[[FaultGraph], str]:
     """Return what looks whether a part of the diagnostics is an error that names the intruder."""
 
     def problem(graph: FaultGraph) -> str:
-        said: list[Any] = [v for name, v in graph.watch.said.items() if name.endswith(f": {part}")]
-        found = [text for level, text in said if level == 2 and _INTRUDER in text]
+        parts = graph.watch.said.items()
+        said: list[Any] = [what for key, what in parts if key.endswith(f": {part}")]
+        found = [text for level, text in said if level == 2 and name in text]
         return "" if found else f"no ERROR names it: {said}"
 
     return problem
