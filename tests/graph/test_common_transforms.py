@@ -150,3 +150,20 @@ def test_another_source_of_the_owned_transform_is_named_and_left_alone(
     num_lines = len(node.lines)
     amcl.node.destroy_publisher(tf)
     amcl.spin_until(lambda: "sending" in node.lines[num_lines:])
+
+
+def test_another_source_that_falls_silent_is_gone_though_its_publisher_stays(
+    start: Start, make_peer: Any
+) -> None:
+    tf2_msgs = pytest.importorskip("tf2_msgs.msg")
+    node = start(NODES, "owner")
+    node.wait_for("sending")
+    amcl = make_peer("amcl")
+    tf = amcl.publisher(tf2_msgs.TFMessage, "/tf", 10, to=node, num=2)
+    for k in range(20):
+        tf.publish(tf_of("map", "odom", 5 * S + k, 1.0))
+        amcl.spin(0.2)
+    node.wait_for("silent")
+    assert node.lines[-1].endswith("silent")
+    num_lines = len(node.lines)
+    amcl.spin_until(lambda: "sending" in node.lines[num_lines:])

@@ -21,13 +21,15 @@ if TYPE_CHECKING:
 
 _LISTEN_FIRST_NS = 1_000_000_000
 _LEARN_NAMES_NS = 2_000_000_000  # the graph hears names a moment after the first message
+_SILENT_NS = 10_000_000_000  # who sends nothing for so long is gone, whatever its name was
 
 
 class TransformOwner:
     """Sends `parent -> child` unless somebody else does; part `transform <child>` on diagnostics.
 
     It listens for a second before the first send. Once another source was heard nothing is sent
-    until one of those who may be it has left, and then again after a second of listening.
+    until one of those who may be it has left, or nothing came for ten seconds, and then again after
+    a second of listening.
 
     Args:
         node: The node.
@@ -42,7 +44,7 @@ class TransformOwner:
         self._broadcaster = TransformBroadcaster(node)
         self._listening_since_ns = node.time.steady_ns()
         self._others: set[str] | None = None
-        self._contested_at_ns = 0
+        self._contested_at_ns = self._foreign_at_ns = 0
         self._has_said = False
         node.transforms.on_sample(self._on_sample)
         node.time.on_look(self._look)
@@ -79,7 +81,10 @@ class TransformOwner:
     def _on_sample(self, stamped: Any) -> None:
         t = stamped.transform.translation
         child, stamp_ns = stamped.child_frame_id.lstrip("/"), stamp_to_ns(stamped.header.stamp)
-        if self.is_contested or not self._sent.is_foreign(child, stamp_ns, (t.x, t.y, t.z)):
+        if not self._sent.is_foreign(child, stamp_ns, (t.x, t.y, t.z)):
+            return
+        self._foreign_at_ns = self._node.time.steady_ns()
+        if self.is_contested:
             return
         self._others, self._has_said = set(), False
         self._contested_at_ns = self._node.time.steady_ns()
@@ -95,7 +100,9 @@ class TransformOwner:
         if not self._has_said and (self._others or not is_learning):
             self._has_said = True
             self._node.get_logger().error(self.status().message)
-        if not is_learning and not (self._others and self._others <= there):
+        has_left = not (self._others and self._others <= there)
+        is_silent = steady_ns - self._foreign_at_ns > _SILENT_NS
+        if not is_learning and (has_left or is_silent):
             self._others, self._listening_since_ns = None, steady_ns
 
     def _publishers(self) -> list[str]:
