@@ -73,6 +73,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these faults alone")
     parser.add_argument("--quick", action="store_true", help="one fault of each kind")
+    text = "simulated seconds in a second at most (1); less for a machine that is busy"
+    parser.add_argument("--rtf", type=float, default=1.0, metavar="F", help=text)
     parser.add_argument("--list", action="store_true", help="name the faults and end")
 
 
@@ -90,6 +92,8 @@ def check(args: argparse.Namespace) -> None:
         for fault in faults:
             print(f"{fault.name:28s} {fault.what}")
         raise SystemExit(0)
+    if not 0.0 < args.rtf <= 1.0:
+        raise UserError(f"--rtf must be in (0, 1], got {args.rtf}")
     if problem := join_domain():
         raise UserError(problem)
 
@@ -107,7 +111,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         while chosen:
             chosen = _run_graph(_SETUPS[name](), chosen, args, values, rows)
     values["ok"] = values["passed"] == values["total"]
-    page = faults_page(rows, values["sim_s"], machine())
+    page = faults_page(rows, values["sim_s"], machine(args.rtf))
     write_atomic(args.out_dir / "faults.md", page)
     picture = args.out_dir / "speeds.png"
     draw_speeds(picture, rows)
@@ -123,7 +127,7 @@ def _run_graph(
     """Run faults one after the other in one graph; return those left when it is of no use more."""
     values["graphs_started"] += 1
     out = args.out_dir / f"{setup.name}-{values['graphs_started']}"
-    with FaultGraph(setup, out, args.seed) as graph:
+    with FaultGraph(setup, out, args.seed, args.rtf) as graph:
         if setup.name == NETWORK:
             start_link(graph)
         graph.start(lambda text: say(text, is_quiet=args.quiet))
@@ -165,10 +169,11 @@ def _failed(fault: Fault, setup: Setup, text: str) -> Row:
     return row
 
 
-def machine() -> str:
-    """Return how many cores there are, and how busy they were."""
+def machine(rtf: float) -> str:
+    """Return how fast time went, how many cores there are, and how busy they were."""
     cores, busy = len(os.sched_getaffinity(0)), os.getloadavg()[2]
-    return f"{cores} cores, on average {busy:.0f} processes that wanted one"
+    load = f"on average {busy:.0f} processes that wanted one"
+    return f"at most {rtf:g} times real time, {cores} cores, {load}"
 
 
 def _fill(values: dict[str, Any], rows: list[Row]) -> None:

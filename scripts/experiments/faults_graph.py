@@ -48,6 +48,7 @@ class FaultGraph:
         setup: Which graph.
         out: For logs and settings.
         seed: Of the simulator.
+        rtf: Simulated seconds in a second, at most.
 
     Attributes:
         setup: As given.
@@ -59,8 +60,8 @@ class FaultGraph:
         notes: What a fault found out on its way, by name; for its checks.
     """
 
-    def __init__(self, setup: Setup, out: Path, seed: int) -> None:
-        self.setup, self.out, self._seed = setup, out, seed
+    def __init__(self, setup: Setup, out: Path, seed: int, rtf: float = 1.0) -> None:
+        self.setup, self.out, self._seed, self.rtf = setup, out, seed, rtf
         self.world, self.model, self.T_world_goals = setup.load()
         self.expected_dead: set[str] = set()
         self.notes: dict[str, Any] = {}
@@ -204,7 +205,7 @@ class FaultGraph:
 
     def _simulator(self) -> list[str]:
         told = {
-            "world": self.setup.world, "seed": str(self._seed), "real_time_factor": "1.0",
+            "world": self.setup.world, "seed": str(self._seed), "real_time_factor": str(self.rtf),
             "start_nodes": "[fault_relay, fault_watch]",
             "pace_lag_s": str(_PACE_LAG_S), "pace_timeout_s": str(_PACE_TIMEOUT_S),
             "clock_period_s": str(_CLOCK_PERIOD_S),

@@ -51,13 +51,13 @@ def clock_faults() -> list[Fault]:
         ),
         Fault(
             name="clock-tenth", what="time goes at a tenth of real time", kind=DRIVE,
-            expected="drives on as if nothing were", strike=_at(_SLOW), mend=_at(1.0), hold_s=1.5,
+            expected="drives on as if nothing were", strike=_at(_SLOW), mend=_as_before, hold_s=1.5,
             note=_factor,
         ),
         Fault(
             name="clock-ten-times", kind=DRIVE,
             what="ten times real time is asked for; the simulation waits for the planner",
-            expected="drives on", strike=_at(_FAST), mend=_at(1.0), note=_factor,
+            expected="drives on", strike=_at(_FAST), mend=_as_before, note=_factor,
         ),
     ]  # fmt: skip
 
@@ -86,6 +86,10 @@ def _at(factor: float) -> Act:
         graph.notes["since"] = time.monotonic(), graph.sim_s
 
     return act
+
+
+def _as_before(graph: FaultGraph) -> None:
+    _set_up(graph, real_time_factor=graph.rtf)
 
 
 def _factor(graph: FaultGraph) -> str:
