@@ -40,6 +40,7 @@ JOBS = {
     "team": "poses and identities of 4 to 50 robots, beside solvers told who is who",
     "stereo": "disparities of a pair, beside OpenCV's matchers",
     "stereo_localization": "from stereo views to the pose: whole map, and tracking",
+    "graph": "the flat's graph: scan to command, processor share and memory of every node",
     "messages": "images and grids to and from messages, and between processes",
 }
 HEADER = ["case", "median ms", "p99 ms", "peer", "peer ms", "ratio", "floor ms", "more"]

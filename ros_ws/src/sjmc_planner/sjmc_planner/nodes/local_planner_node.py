@@ -24,6 +24,7 @@ from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.limited_motion import moved_by
 from sjmc_planner.methods import make_method
 from sjmc_planner.nodes.command_port import CommandPort
+from sjmc_planner.nodes.control_timer import ControlTimer
 from sjmc_planner.nodes.goal_port import GoalPort
 from sjmc_planner.nodes.input_missing import InputMissing
 from sjmc_planner.nodes.planner_inputs import PlannerInputs
@@ -46,13 +47,13 @@ class LocalPlannerNode(FloornavNode):
         self._is_enabled = True
         self._decided_ns: int | None = None
         self._goals = GoalPort(self, self._config)
-        self._inputs = PlannerInputs(self, self._config)
+        timer = ControlTimer(self, self._config.control_period_s, self._control)
+        self._inputs = PlannerInputs(self, self._config, timer.take_scan)
         self._commands = CommandPort(self, self._config)
         self._report = PlannerReport(self)
         self.transforms.on_restart(self._commands.halt)
         self.time.on_look(self._look)
         self.create_service(SetBool, "~/enable", self._on_enable)
-        self.create_timer(self._config.control_period_s, self._control)
         self.ready(compile_kernels)
 
     def _set_config(self, config: LocalPlannerConfig) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -33,13 +34,17 @@ class PlannerInputs:
     Args:
         node: The node.
         config: Time limits.
+        on_scan: Called after a scan that can be used was taken.
 
     Attributes:
         known: What is known beside the scan.
     """
 
-    def __init__(self, node: FloornavNode, config: LocalPlannerConfig) -> None:
+    def __init__(
+        self, node: FloornavNode, config: LocalPlannerConfig, on_scan: Callable[[], None]
+    ) -> None:
         self._node, self._config, self._base = node, config, node.frames.base
+        self._on_new_scan = on_scan
         self._scan: tuple[Scan, str, int] | None = None
         self._twist: tuple[Velocity, str, int] | None = None
         self._bad_scan = self._bad_odometry = ""
@@ -145,6 +150,8 @@ class PlannerInputs:
             self._bad_scan, self._is_new = "", True
         except ValueError as error:
             self._bad_scan = str(error)
+            return
+        self._on_new_scan()
 
     def _on_odom(self, msg: Any) -> None:
         self._odometry.feed()
