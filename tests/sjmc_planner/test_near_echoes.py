@@ -10,6 +10,7 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sjmc_planner.known_config import KnownConfig
 from sjmc_planner.near_echoes import NearEchoes, distance_heard, pane_of
+from sjmc_planner.pane_direction import PaneLine
 from sjmc_planner.planning import Obstacles
 
 HERE = SE2(0.0, 0.0, 0.0)
@@ -30,9 +31,9 @@ def seen(r: float = np.inf, bearing: float = 0.0, width: float = 0.1) -> Obstacl
     return Obstacles(Scan(ranges, -np.pi, step, 0.1, 8.0), HERE)
 
 
-def pane(r: float, mount: SE2 = HERE, ends=(), opening: float = OPENING, reach: float = 0.5):
+def pane(r: float, mount: SE2 = HERE, ends=(), opening: float = OPENING, line=PaneLine()):  # noqa: B008, frozen
     ends = np.array(ends, dtype=float).reshape(-1, 2)
-    return pane_of(r, opening, mount, ends, reach)
+    return pane_of(r, opening, mount, ends, 1.0, line, np.zeros(2))
 
 
 def test_a_pane_lies_across_the_way_of_the_sound() -> None:
@@ -50,8 +51,33 @@ def test_an_opening_that_is_not_said_is_twenty_degrees() -> None:
 
 
 def test_a_pane_ends_at_the_next_post_that_the_scan_shows() -> None:
-    points, _ = pane(1.0, ends=[(1.05, 0.3), (1.5, -0.35)])
+    points, _ = pane(1.0, ends=[(1.05, 0.3), (1.05, 0.34), (1.5, -0.35), (1.5, -0.39)])
     assert points[:, 1].max() == pytest.approx(0.3) and points[:, 1].min() == pytest.approx(-0.5)
+
+
+def test_a_speck_of_dirt_on_a_pane_does_not_end_it() -> None:
+    points, _ = pane(1.0, ends=[(1.05, 0.3), (1.0, -0.4), (1.0, 0.42)])
+    assert points[:, 1].max() == pytest.approx(0.5) and points[:, 1].min() == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize("num_others", [0, 1, 2, 9])
+def test_what_shines_squarely_on_a_line_told_by_others_is_the_pane_itself(num_others: int) -> None:
+    shine = [(1.0, -0.05), (1.0, 0.0), (1.0, 0.05), (1.0, 0.4), (1.0, 0.45)]
+    points, _ = pane(1.0, ends=shine, line=PaneLine(0.0, num_others))
+    assert (len(points) > 0) == (num_others >= 2)
+    if len(points):  # it ends at the post beyond, not at its own shine
+        assert points[:, 1].max() == pytest.approx(0.4)
+        assert points[:, 1].min() == pytest.approx(-1.0)
+
+
+def test_what_stands_before_a_line_told_by_others_explains_an_echo() -> None:
+    points, _ = pane(1.0, ends=[(0.88, 0.0), (0.88, 0.04)], line=PaneLine(0.0, 9))
+    assert len(points) == 0
+
+
+def test_a_pane_is_laid_across_its_own_normal() -> None:
+    points, _ = pane(1.0, line=PaneLine(0.3, 4))
+    assert points @ [np.cos(0.3), np.sin(0.3)] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(
@@ -122,3 +148,21 @@ def test_where_the_laser_does_not_look_an_echo_counts() -> None:
     for _ in range(2):
         found = echoes.update([(echo(0.5), back)], Obstacles(scan, HERE), HERE, DT)
     assert len(found) > 2 and found[:, 0].min() == pytest.approx(-0.8, abs=0.001)
+
+
+def test_a_pane_heard_at_a_slant_reaches_before_a_robot_that_drives_past_and_shines() -> None:
+    """A pane at 45 degrees before it; the laser soon sees it where it looks squarely at it.
+
+    A sonar at 67 degrees hears it, 22 degrees off its normal, on a drive of 0.8 m; then one at 45.
+    """
+    echoes, normal = NearEchoes(KnownConfig()), np.array([1.0, 1.0]) / np.sqrt(2.0)
+    wide, square = SE2(0.0, 0.28, 1.178), SE2(0.14, 0.28, 0.785)
+    for k in range(10):
+        off = 1.5 - normal[0] * 0.08 * k
+        mount = wide if k < 8 else square
+        r = off - float(normal @ [mount.x, mount.y])
+        shines = seen() if k < 7 else seen(off, bearing=0.785, width=0.2)
+        found = echoes.update([(echo(r), mount)], shines, SE2(0.08 if k else 0.0, 0.0, 0.0), DT)
+    ahead = found[np.abs(found[:, 1]) < 0.28]
+    assert len(ahead) > 3
+    assert np.abs(ahead @ normal - off).max() < 0.1

@@ -34,8 +34,8 @@ class KnownConfig:
         unit="m", ge=0.0, le=10.0,
     )  # fmt: skip
     pane_m: float = param(
-        0.5, "What they come from goes on so far to either side, or to the next post.",
-        unit="m", ge=0.0, le=5.0,
+        1.0, "What they come from goes on so far to either side, or to the next post; half as far "
+        "until three echoes tell its line.", unit="m", ge=0.0, le=5.0,
     )  # fmt: skip
     echo_hold_s: float = param(2.0, "For so long after they were heard.", unit="s", ge=0.0, le=60.0)
 
