@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from experiments.corridor_loop import slipping_odometry
-from experiments.parallel_tasks import run_tasks
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from experiments.relocalization_floors import (
     FIRST_FLOOR,
     HERE,
@@ -49,7 +49,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add("--places", type=int, metavar="N", help=f"places in all of them ({NUM_PLACES})")
     add("--way", type=float, default=WAY_M, metavar="M", help="longest way, m (%(default)g)")
     add("--quick", action="store_true", help=f"{QUICK_MAPS} floors, {QUICK_PLACES} places")
-    add("--jobs", type=int, default=1, metavar="N", help="processes (1)")
+    add_spread_options(parser, jobs=1)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     tries: dict[str, list[Try]] = {method: [] for method in METHODS}
     rows = []
     with Progress("relocalization", num_maps, is_quiet=args.quiet) as progress:
-        for k, (job, found) in enumerate(run_tasks(on_floor, jobs, args.jobs)):
+        for k, (job, found) in enumerate(run_tasks(on_floor, jobs, args.jobs, args.cluster)):
             for method in METHODS:
                 tries[method] += found[method]
             rows.append([f"generated:{job.floor}", *_cells(_figures(found["verified"]))])
@@ -123,11 +123,12 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
 def on_floor(job: Job) -> dict[str, list[Try]]:
     """Map one floor and look for the robot at its places."""
     floor = mapped_floor(job.floor)
-    rng = np.random.default_rng((job.floor, 5))
+    starts = places(floor, job.num_places, np.random.default_rng((job.floor, 5)))
     relocalizer = Relocalizer(GridMapperConfig())
     relocalizer.take(NewMap(floor.grid))
     tries: dict[str, list[Try]] = {method: [] for method in METHODS}
-    for start in places(floor, job.num_places, rng):
+    for k, start in enumerate(starts):
+        rng = np.random.default_rng((job.floor, 5, k))  # each place by itself can be had again
         poses = walk(floor, start, job.way_m, rng)
         odometry = slipping_odometry(poses, int(rng.integers(1 << 30)))
         tries["verified"].append(_verified(relocalizer, floor, poses, odometry, rng))

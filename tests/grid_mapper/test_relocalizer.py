@@ -123,6 +123,25 @@ def test_in_a_building_that_is_not_in_the_map_nothing_is_claimed(in_ring):
     assert all(isinstance(answer, NotFound) for answer in answers)
 
 
+def corridor_with(*pillars):
+    walls = np.array([[-9.0, -1.2, 9.0, -1.2], [9.0, 1.2, -9.0, 1.2]])
+    return np.vstack((walls, *(box(x - 0.2, y - 0.2, x + 0.2, y + 0.2) for x, y in pillars)))
+
+
+def test_where_moved_furniture_pulls_a_look_nothing_is_claimed():
+    stayed, before = ((-2.0, -1.0), (-1.0, 1.0)), ((1.2, -1.0), (2.2, 1.0), (3.4, -1.0))
+    truth, shifted = SE2(0.0, 0.0, 0.2), [(x + 0.25, y) for x, y in before]
+    relocalizer = Relocalizer(CONFIG)
+    way = [SE2(x, 0.0, 0.0) for x in (-1.5, 0.0, 1.5)]
+    relocalizer.take(NewMap(map_of(corridor_with(*stayed, *before), way)))
+    prior = Prior(truth, np.diag([0.1, 0.1, 0.1]) ** 2)
+    same = relocalizer.take(looks_at(corridor_with(*stayed, *before), [truth], prior)[0])
+    assert isinstance(same, Found) and is_near(same.T_map_base, truth)
+    relocalizer.take(Forget())
+    pulled = relocalizer.take(looks_at(corridor_with(*stayed, *shifted), [truth], prior)[0])
+    assert isinstance(pulled, NotFound) and "disagree" in pulled.reason
+
+
 def test_what_was_seen_before_somebody_carried_the_robot_counts_no_longer(in_ring):
     truth = round_the_ring(60)
     in_ring.take(looks_at(ring(), truth[10:11])[0])

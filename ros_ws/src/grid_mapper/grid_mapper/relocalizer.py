@@ -3,8 +3,9 @@
 Every look (a scan taken apart from the last) is searched for in the whole map, and what was found
 before is moved on by odometry and fitted again: a place counts by how all looks of late fit there,
 as seen from it by odometry. It is believed once two looks at least fit well, the map's walls are
-not seen through, nothing in the map is left that fits about as well, and the looks say where they
-are in every direction. Until then the robot has to drive on: like rooms differ somewhere.
+not seen through, nothing in the map is left that fits about as well, and the looks, and the parts
+of the newest, agree where they are in every direction. Until then the robot has to drive on: like
+rooms differ somewhere, and furniture that was moved comes out of sight.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from grid_mapper.global_search import GlobalSearch
 from grid_mapper.key_frames import KeyFrame
 from grid_mapper.loop_verification import seen_through
 from grid_mapper.map_surfaces import round_place
+from grid_mapper.match_scatter import scatter_of
 from grid_mapper.motion import odometry_motion, rotated
 from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound
 from grid_mapper.relocation_places import MAX_PLACES, Place, PlaceFit, distinct
@@ -104,8 +106,17 @@ class Relocalizer:
             reason = self._objection(look, best, 0) if is_clear else ASIDE
         if reason:
             return NotFound(look.number, reason)
+        return self._claim(look.number, points, best)
+
+    def _claim(self, number: int, points: SurfacePoints, best: Place) -> Found | NotFound:
+        """Return a place that all else speaks for, unless parts of the newest look tell others."""
+        assert self._search is not None
+        scatter = scatter_of(self._matcher, points, best.pose, START_COV)
+        sigma = _sigma(scatter)
+        if sigma > self._config.relocation.max_sigma_m:
+            return NotFound(number, f"parts of the scan disagree ({sigma:.2f} m): drive on")
         seen = round_place(self._search.surfaces, best.pose.x, best.pose.y, SURROUNDINGS_M)
-        return Found(look.number, best.pose, self._cov(best), seen)
+        return Found(number, best.pose, self._cov(best) + scatter, seen)
 
     def _follow(self, look: Look) -> None:
         """Move the places found before on by odometry."""
@@ -184,7 +195,7 @@ class Relocalizer:
             return f"fits about as well at {num_rivals} other places: drive on"
         if self._places[0].log_quality > best.log_quality + BETTER:
             return "fits better elsewhere than where the robot is said to be"
-        sigma = float(np.sqrt(np.linalg.eigvalsh(self._cov(best)[:2, :2]).max()))
+        sigma = _sigma(self._cov(best))
         if sigma > config.max_sigma_m:
             return f"the scans leave a direction open ({sigma:.2f} m): drive on"
         if self._disagreement(best) > config.agree_m:
@@ -219,3 +230,8 @@ class Relocalizer:
             own = fit.match.information + 1e-3 * np.eye(3)
             information += np.linalg.inv(np.linalg.inv(own) + drift)
         return np.asarray(np.linalg.inv(information))
+
+
+def _sigma(cov: np.ndarray) -> float:
+    """Return the deviation of a position in its least certain direction, m."""
+    return float(np.sqrt(np.linalg.eigvalsh(cov[:2, :2]).max()))

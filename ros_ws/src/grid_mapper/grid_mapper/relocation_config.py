@@ -43,8 +43,11 @@ class RelocationConfig:
         unit="m", gt=0.0,
     )  # fmt: skip
     max_sigma_m: float = param(
-        0.05, "A place less certain than this in some direction is not believed.", unit="m", gt=0.0
-    )
+        0.05,
+        "A place less certain than this in some direction is not believed, nor one where parts of "
+        "the scan disagree by more.",
+        unit="m", gt=0.0,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         validate(self)
