@@ -6,6 +6,7 @@ import argparse
 import importlib
 import sys
 import textwrap
+from typing import Any
 
 from _environment import ensure_environment
 
@@ -50,12 +51,23 @@ EXPERIMENTS = {
     "faults": "what goes wrong in the running graph: safe, how soon it stands, how soon it drives",
     "soak": "the flat on a day for long: memory, exceptions, touches: [--minutes M]",
     "mrclam": "five real robots: bearings only, odometry, alone and as a team: --data DIR",
+    "all": "all of them but faults and soak: at their --quick seeds, or --full",
 }
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run one experiment."""
-    args = _parsed(sys.argv[1:] if argv is None else argv)
+    """Run one experiment, or all."""
+    values, _ = run_experiment(sys.argv[1:] if argv is None else argv)
+    return 0 if values["ok"] else 1
+
+
+def run_experiment(argv: list[str]) -> tuple[dict[str, Any], list[Section]]:
+    """Run one experiment, write its results and print them; returns its values and its report.
+
+    Raises:
+        UserError: On bad input.
+    """
+    args = _parsed(argv)
     module = _module(args.experiment)
     if hasattr(module, "check"):
         module.check(args)  # bad input leaves no folder behind
@@ -68,11 +80,12 @@ def main(argv: list[str] | None = None) -> int:
     for section in sections:
         say(_section_text(section), is_quiet=args.quiet)
     say(f"results: {args.out_dir}", is_quiet=args.quiet)
-    return 0 if values["ok"] else 1
+    return values, sections
 
 
 def _module(experiment: str):  # type: ignore[no-untyped-def]
-    return importlib.import_module(f"experiments.{experiment.replace('-', '_')}")
+    name = "whole_set" if experiment == "all" else experiment.replace("-", "_")
+    return importlib.import_module(f"experiments.{name}")
 
 
 def _section_text(section: Section) -> str:

@@ -41,7 +41,7 @@ from experiments.crowd_runs import (
     scene_of,
 )
 from experiments.crowd_scenes import SCENES
-from experiments.parallel_tasks import run_tasks
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
 from sim_bridge.people.recorded import read_obsmat
 from sim_bridge.schema import WorldError
@@ -89,7 +89,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--scenes", nargs="*", choices=tuple(SCENES), default=list(SCENES), metavar="NAME",
         help=f"which simulated ones (default: all: {', '.join(SCENES)}); none with no name",
     )  # fmt: skip
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
+    add_spread_options(parser)
 
 
 def check(args: argparse.Namespace) -> None:
@@ -121,7 +121,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     ]
     outcomes: dict[Task, Outcome] = {}
     with Progress("crowd", len(tasks), is_quiet=args.quiet) as progress:
-        for task, outcome in run_tasks(run_task, tasks, args.jobs):
+        for task, outcome in run_tasks(run_task, tasks, args.jobs, args.cluster):
             outcomes[task] = outcome
             caused = sum(o.caused for o in outcomes.values())
             note = f"{len(outcomes)} of {len(tasks)} runs, {caused} contacts caused by a robot"

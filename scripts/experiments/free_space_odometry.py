@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from experiments.floor_scenes import Scene, cast
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.resources import load_camera_model
@@ -67,6 +68,7 @@ class Drive:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     parser.add_argument("--runs", type=int, default=3, metavar="N", help="seeds (default: 3)")
+    add_spread_options(parser, jobs=1)
 
 
 def check(args: argparse.Namespace) -> None:
@@ -80,9 +82,10 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     values.update({key: None for key in (*KEYS, "path_m", "scans", "runs")})
     runs: list[dict[str, Any]] = []
     with Progress("free-space-odometry", args.runs, is_quiet=args.quiet) as progress:
-        for k in range(args.runs):
-            runs.append(_measure(drive_route(args.seed + k)))
-            progress.update(k + 1)
+        seeds = range(args.seed, args.seed + args.runs)
+        for _, found in run_tasks(_driven, seeds, args.jobs, args.cluster):
+            runs.append(found)
+            progress.update(len(runs))
     for key in KEYS:
         values[key] = {n: float(np.median([r[key][n] for r in runs])) for n in runs[0][key]}
     values["path_m"] = float(np.median([r["path_m"] for r in runs]))
@@ -91,6 +94,10 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     header = ["pose from", "end m", "end % of path", "rms m", "worst m", "end deg"]
     about = f"{args.runs} runs, {values['path_m']:.1f} m, {values['scans']} scans; medians"
     return [Section("Drift", [__doc__ or "", about, Table(header, rows)])]
+
+
+def _driven(seed: int) -> dict[str, Any]:
+    return _measure(drive_route(seed))
 
 
 def drive_route(seed: int) -> Drive:

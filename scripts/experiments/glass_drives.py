@@ -21,7 +21,7 @@ from typing import Any
 from experiments.glass_drives_pictures import draw_runs
 from experiments.glass_drives_runs import LIMIT_S, ROWS, Outcome, Task, figures, run_task
 from experiments.glass_drives_worlds import place_of
-from experiments.parallel_tasks import run_tasks
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
 
 NUM_RUNS, NUM_OTHERS, NUM_QUICK, NUM_PICTURED = 50, 20, 2, 4
@@ -47,7 +47,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--rows", nargs="+", choices=tuple(ROWS), default=list(ROWS), metavar="ROW",
         help=f"which (default: all: {'; '.join(ROWS)})",
     )  # fmt: skip
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
+    add_spread_options(parser)
 
 
 def check(args: argparse.Namespace) -> None:
@@ -72,7 +72,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     ]
     outcomes: dict[Task, Outcome] = {}
     with Progress("glass-drives", len(tasks), is_quiet=args.quiet) as progress:
-        for task, outcome in run_tasks(run_task, tasks, args.jobs):
+        for task, outcome in run_tasks(run_task, tasks, args.jobs, args.cluster):
             outcomes[task] = outcome
             _fill(values, outcomes, args.rows)
             touched = sum(o.touched == "glass" for o in outcomes.values())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -60,17 +60,6 @@ class Job:
     pairs_seed: int
     pictures: Path | None
     turn_rad: float | None = None
-
-
-def run_jobs(jobs: list[Job], num: int) -> Iterator[dict[str, Any]]:
-    """Yield the result of each job, as they end; `num` processes share them."""
-    if num == 1:
-        yield from map(run_job, jobs)
-        return
-    import multiprocessing
-
-    with multiprocessing.get_context("spawn").Pool(num) as pool:
-        yield from pool.imap_unordered(run_job, jobs)
 
 
 def run_job(job: Job) -> dict[str, Any]:

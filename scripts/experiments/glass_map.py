@@ -19,10 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from experiments.glass_floors import EXPERIMENT, Job, run_jobs
+from experiments.glass_floors import EXPERIMENT, Job, run_job
 from experiments.glass_methods import NAMES
 from experiments.glass_metrics import METRICS
 from experiments.glass_report import sections
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from floornav_common.reporting import Progress, Section, UserError
 
 WORLDS = ("glass_corridor", "glass_wall")
@@ -40,7 +41,7 @@ _HIGH_IS_GOOD = ("glass_recall", "glass_precision", "glass_seen_share")
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     parser.add_argument("--floors", type=int, default=30, metavar="N", help="drawn floors (30)")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (2)")
+    add_spread_options(parser)
     text = (
         "folder of sensor logs, used again if they are there (default: logs in the results); "
         "empty it when the simulator has changed"
@@ -62,16 +63,14 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Map all worlds; fills `values["tables"]`, `["methods"]`, `["paths"]` and `["worlds"]`."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before processes start
     jobs = _jobs(args)
-    order = {job.world: k for k, job in reversed(list(enumerate(jobs)))}
     results: list[dict[str, Any]] = []
     lengths: list[dict[str, Any]] = []
     try:
         with Progress("glass-map", len(jobs), is_quiet=args.quiet) as progress:
-            for result in run_jobs(jobs, min(args.jobs, len(jobs))):
+            for _, result in run_tasks(run_job, jobs, min(args.jobs, len(jobs)), args.cluster):
                 (lengths if "lengths" in result else results).append(result)
                 progress.update(len(results) + len(lengths), result["world"])
     finally:
-        results.sort(key=lambda result: order[result["world"]])
         _fill(values, results)
         values["lengths"] = length_spreads([e for r in lengths for e in r["lengths"]])
     return sections(values, results)

@@ -17,6 +17,7 @@ import numpy as np
 
 from experiments.bench_scan_matching import kiss_icp_step
 from experiments.corridor_loop import Drive, bare_corridor, corridor_loop, slipping_odometry
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
@@ -36,6 +37,7 @@ METHODS = ("odometry", "kiss_icp", "floornav_no_odometry", "floornav")
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     parser.add_argument("--runs", type=int, default=10, metavar="N", help="seeds a drive (10)")
+    add_spread_options(parser, jobs=1)
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
@@ -43,17 +45,26 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     values["drives"] = {}
     rows = []
     with Progress("laser-drives", len(DRIVES) * args.runs, is_quiet=args.quiet) as progress:
-        for name, make in DRIVES.items():
-            results: dict[str, list[dict[str, float]]] = {m: [] for m in METHODS}
-            for k in range(args.runs):
-                drive = make(FIRST_SEED + args.seed + k)
-                for method in METHODS:
-                    results[method].append(_measure(drive, _follow(method, drive, args.seed + k)))
-                progress.update(len(values["drives"]) * args.runs + k + 1, name)
-            values["drives"][name] = {m: _spread(r) for m, r in results.items()}
-            rows += [_row(name, m, values["drives"][name][m]) for m in METHODS]
+        tasks = [(name, args.seed + k) for name in DRIVES for k in range(args.runs)]
+        results: dict[str, list[dict[str, float]]] = {m: [] for m in METHODS}
+        done = run_tasks(_followed, tasks, args.jobs, args.cluster)
+        for number, ((name, _), found) in enumerate(done, 1):
+            for method in METHODS:
+                results[method].append(found[method])
+            progress.update(number, name)
+            if number % args.runs == 0:  # the last seed of this drive
+                values["drives"][name] = {m: _spread(r) for m, r in results.items()}
+                rows += [_row(name, m, values["drives"][name][m]) for m in METHODS]
+                results = {m: [] for m in METHODS}
     header = ["drive", "method", "end m (median)", "end m (worst)", "ATE m", "end deg", "refused"]
     return [Section("Drift", [__doc__ or "", Table(header, rows)])]
+
+
+def _followed(task: tuple[str, int]) -> dict[str, dict[str, float]]:
+    """Return the figures of every method on one drive of one seed."""
+    name, seed = task
+    drive = DRIVES[name](FIRST_SEED + seed)
+    return {method: _measure(drive, _follow(method, drive, seed)) for method in METHODS}
 
 
 def _follow(method: str, drive: Drive, seed: int) -> tuple[list[SE2], int]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from experiments.corridor_loop import Drive, ring_laps, slipping_odometry
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
@@ -39,6 +40,7 @@ HERE = SE2.identity()
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     parser.add_argument("--runs", type=int, default=4, metavar="N", help="seeds a drive (4)")
+    add_spread_options(parser, jobs=1)
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
@@ -46,12 +48,16 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     values["drives"], values["false_loops_accepted"] = {}, 0
     values["looks_m"] = 0.0
     rows = []
+    seeds = range(FIRST_SEED + args.seed, FIRST_SEED + args.seed + args.runs)
+    tasks = [(num_scans, seed) for num_scans in SCANS_A_LAP.values() for seed in seeds]
+    done = run_tasks(_measure, tasks, args.jobs, args.cluster)
     with Progress("loop-drives", len(SCANS_A_LAP) * args.runs, is_quiet=args.quiet) as progress:
-        for name, num_scans in SCANS_A_LAP.items():
+        for name in SCANS_A_LAP:
             runs = []
-            for k in range(args.runs):
-                runs.append(_measure(num_scans, FIRST_SEED + args.seed + k))
-                progress.update(len(values["drives"]) * args.runs + k + 1, name)
+            for _ in range(args.runs):
+                _, found = next(done)
+                runs.append(found)
+                progress.update(len(values["drives"]) * args.runs + len(runs), name)
             values["drives"][name] = {
                 method: {key: float(np.mean([r[method][key] for r in runs])) for key in found}
                 for method, found in runs[0].items()
@@ -65,8 +71,9 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     return [Section("Laps", [__doc__ or "", Table(header, rows), looks_line])]
 
 
-def _measure(num_scans: int, seed: int) -> dict[str, dict[str, float]]:
-    """Return the figures of every method on one drive."""
+def _measure(task: tuple[int, int]) -> dict[str, dict[str, float]]:
+    """Return the figures of every method on one drive: scans a lap, and seed."""
+    num_scans, seed = task
     drive = ring_laps(180, np.pi, seed, num_scans)
     odometry = slipping_odometry(drive.truth, seed)
     config = GridMapperConfig()

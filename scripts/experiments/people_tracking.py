@@ -12,7 +12,7 @@ import argparse
 from dataclasses import dataclass
 from typing import Any
 
-from experiments.parallel_tasks import run_tasks
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from experiments.tracking_drives import roam
 from experiments.tracking_judge import TrackingJudge
 from floornav_common.reporting import Progress, Section, Table, UserError
@@ -59,7 +59,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"simulated time of each drive (default: {SECONDS:g})",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help=f"{QUICK_SECONDS:g} s each only")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
+    add_spread_options(parser)
 
 
 def check(args: argparse.Namespace) -> None:
@@ -76,7 +76,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     values |= {"seconds_of_each": seconds, "cases": {}}
     tasks = [(case, seconds, args.seed) for case in CASES.values()]
     with Progress("people-tracking", len(CASES), is_quiet=args.quiet) as progress:
-        followed = run_tasks(follow, tasks, args.jobs)
+        followed = run_tasks(follow, tasks, args.jobs, args.cluster)
         for number, (name, (_, found)) in enumerate(zip(CASES, followed, strict=True)):
             values["cases"][name] = found
             progress.update(number + 1, name, is_last=number + 1 == len(CASES))

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from experiments.parallel_tasks import run_tasks
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from experiments.sjmc_thesis_bound import bound_rows
 from experiments.sjmc_thesis_drives import (
     CROSSING,
@@ -64,7 +64,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"only these of {', '.join(PARTS)}",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help=f"{NUM_QUICK} runs, few distances")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
+    add_spread_options(parser)
 
 
 def check(args: argparse.Namespace) -> None:
@@ -78,7 +78,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     tasks = tasks_of(args)
     done: dict[Task, Outcome] = {}
     with Progress("sjmc-thesis", len(tasks), is_quiet=args.quiet) as progress:
-        for task, outcome in run_tasks(run_task, tasks, args.jobs):
+        for task, outcome in run_tasks(run_task, tasks, args.jobs, args.cluster):
             done[task] = outcome
             note = f"{len(done)} of {len(tasks)} drives, now {task.kind}"
             progress.update(len(done), note, is_last=len(done) == len(tasks))

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.parallel_tasks import run_tasks
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from experiments.slam_drives import floor_names
 from experiments.slam_runs import FIGURES, METHODS, Job, run_floor
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
@@ -42,7 +42,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--worlds", type=int, default=20, metavar="N", help="floors (20)")
     add("--quick", action="store_true", help=f"{NUM_QUICK} floors")
-    add("--jobs", type=int, default=1, metavar="N", help="processes (1)")
+    add_spread_options(parser, jobs=1)
     text = "folder of drives, used again if they are there (default: logs in the results)"
     add("--logs", type=Path, default=None, metavar="DIR", help=text)
 
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     results: list[dict[str, Any]] = []
     try:
         with Progress("slam", len(jobs), is_quiet=args.quiet) as progress:
-            for job, result in run_tasks(run_floor, jobs, min(args.jobs, len(jobs))):
+            for job, result in run_tasks(run_floor, jobs, min(args.jobs, len(jobs)), args.cluster):
                 results.append(result)
                 progress.update(len(results), job.world)
     finally:

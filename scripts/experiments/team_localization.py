@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from experiments.team_paper_cases import NOISES_DEG, fits_best, paper_case
 from experiments.team_report import sections
 from experiments.team_rows import ROWS, judged, num_layouts
@@ -23,6 +24,7 @@ from floornav_common.reporting import Progress, Section, UserError
 from floornav_common.ros.threads import limit_threads
 
 NUM_LAYOUTS = 200
+Task = tuple[str, float, range]  # table; noise, row or number of robots; seeds
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -31,6 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--layouts", type=int, default=NUM_LAYOUTS, metavar="N",
         help=f"layouts of the main rows; fewer of large teams (default: {NUM_LAYOUTS})",
     )  # fmt: skip
+    add_spread_options(parser, jobs=1)
 
 
 def check(args: argparse.Namespace) -> None:
@@ -47,17 +50,29 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     seeds = range(args.seed, args.seed + args.layouts)
     tables = ("paper_cases", "sweep", "variants", "faults", "published", "things", "every_triangle")
     values.update(layouts=args.layouts, best_noise_deg=None, **{key: [] for key in tables})
-    num_steps = len(NOISES_DEG) + len(ROWS) + 2
+    num_steps = len(NOISES_DEG) + len(ROWS) + len(SIZES) + 1
     with Progress("team-localization", num_steps, is_quiet=args.quiet) as progress:
-        for k, noise_deg in enumerate(NOISES_DEG, 1):
-            progress.update(k, f"the paper's four robots, {noise_deg:g} deg")
-            values["paper_cases"].append(paper_case(noise_deg, seeds))
+        tasks: list[Task] = [("paper_cases", noise_deg, seeds) for noise_deg in NOISES_DEG]
+        tasks += [
+            (row.table, k, seeds[: num_layouts(row, args.layouts)]) for k, row in enumerate(ROWS)
+        ]
+        tasks += [("things", num, seeds) for num in SIZES]
+        done = run_tasks(_judged, tasks, args.jobs, args.cluster)
+        for number, ((table, _, _), found) in enumerate(done, 1):
+            values[table].append(found)
+            progress.update(number, table.replace("_", " "))
         values["best_noise_deg"] = fits_best(values["paper_cases"])
-        for k, row in enumerate(ROWS, len(NOISES_DEG) + 1):
-            progress.update(k, row.title)
-            values[row.table].append(judged(row, seeds[: num_layouts(row, args.layouts)]))
-        progress.update(num_steps - 1, "other things")
-        values["things"] = [judged_things(num, seeds) for num in SIZES]
         progress.update(num_steps, "every triangle", is_last=True)
         values["every_triangle"] = every_triangle(values["sweep"], args.seed)
     return sections(args.out_dir, values, args.seed)
+
+
+def _judged(task: Task) -> dict[str, Any]:
+    """Return the figures of one row of a table."""
+    table, which, seeds = task
+    limit_threads(1)
+    if table == "paper_cases":
+        return paper_case(which, seeds)
+    if table == "things":
+        return judged_things(int(which), seeds)
+    return judged(ROWS[int(which)], seeds)

@@ -23,7 +23,7 @@ from experiments.avoidance_fields import Field, figure_9, random_field
 from experiments.avoidance_judge import Run, figures, turns
 from experiments.avoidance_pictures import draw_fields, draw_figure_4c, draw_figure_9
 from experiments.avoidance_runs import PERIOD_S, Perception, drive_field
-from experiments.parallel_tasks import run_tasks
+from experiments.parallel_tasks import add_spread_options, run_tasks
 from floor_perception.config import FloorDetectorConfig, TemplateConfig
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.resources import load_camera_model
@@ -77,7 +77,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"random fields (default: {NUM_FIELDS})",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help=f"{NUM_QUICK} random fields only")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="processes (default: 2)")
+    add_spread_options(parser)
 
 
 def check(args: argparse.Namespace) -> None:
@@ -98,7 +98,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     ]
     runs: dict[Task, Run] = {}
     with Progress("velocity-avoidance", len(tasks), is_quiet=args.quiet) as progress:
-        for task, done in run_tasks(_drive, tasks, args.jobs):
+        for task, done in run_tasks(_drive, tasks, args.jobs, args.cluster):
             runs[task] = done
             num_touched = sum(r.has_collided for r in runs.values())
             note = f"{len(runs)} of {len(tasks)} drives, {num_touched} touched something"
