@@ -3,7 +3,8 @@
 It does what the nodes do, at their rates: `grid_mapper` (every scan a pose, a map a second, the map
 a moment after), `wavefront_planner` (a way when the map changes, and twice a second), and
 `local_planner` (20 commands a second, sent one period later). It knows scans, echoes and odometry;
-the goal is given on the map, whose origin is where it starts.
+the goal is given on the map, whose origin is where it starts. Where the map does not reach to the
+goal yet when it starts, it looks round first, on the spot.
 """
 
 from __future__ import annotations
@@ -28,19 +29,21 @@ from sjmc_planner.methods import make_method
 from sjmc_planner.near_echoes import Heard, NearEchoes
 from sjmc_planner.path_target import PathTarget
 from sjmc_planner.planning import REACHED, STILL, Obstacles, RobotState, Velocity
-from sjmc_planner.route_keeper import RouteKeeper
+from sjmc_planner.route_keeper import NO_WAY, ON_ITS_WAY, RouteKeeper
 from sjmc_planner.wavefront_config import WavefrontConfig
 
 PERIOD_NS = 50_000_000
 _MAP_NS, _MAP_DELAY_NS = 1_000_000_000, 150_000_000
 _LOOK_NS = 500_000_000
+_LOOKS_ROUND = Velocity(0.0, 0.0, 0.5)
 # The simulated robot: its outline, and the limits of docs/drive-among-people.md.
 ROBOT = RobotConfig(
     drive="differential", radius_m=0.57, margin_m=0.1, front_m=0.20, rear_m=0.49,
     half_width_m=0.28, speed_m_s=0.6, accel_m_s2=0.6, idle_time_s=0.1,
 )  # fmt: skip
-# A way is for what follows it: `sjmc` knows the robot's box, `vfh_plus` takes it for a circle.
-WAYS = {"sjmc": WavefrontConfig(radius_m=0.45), "vfh_plus": WavefrontConfig(radius_m=0.57)}
+# A way keeps off by all of the robot, also for `sjmc`, which knows its box and could pass nearer:
+# who comes near beside a pane before it is known has little room to turn.
+WAY = WavefrontConfig(radius_m=ROBOT.radius_m)
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,7 @@ class MappingRobot:
     def __init__(self, row: Row, model: RobotModel, goal: np.ndarray) -> None:
         fusion = "bayes" if row.has_sonar else "none"
         self._mapper = LayeredMapper(GridMapperConfig(fusion=fusion), SE2.identity())
-        self._row, self._keeper = row, RouteKeeper(WAYS[row.method])
+        self._row, self._keeper = row, RouteKeeper(WAY)
         self._config = LocalPlannerConfig(
             method=row.method, robot=ROBOT, goal_tolerance_m=0.15, lookahead_m=1.0
         )
@@ -87,6 +90,7 @@ class MappingRobot:
         self._scan: tuple[Scan, SE2] | None = None
         self._coming: tuple[int, OccupancyMap, OccupancyMap] | None = None
         self._mapped_ns, self._num_mapped = 0, 0
+        self._has_driven = self._looks_round = False
         self._target: PathTarget | None = None
         self._known = np.zeros((0, 2))
         self._heard: list[Heard] = []
@@ -135,7 +139,8 @@ class MappingRobot:
         now = self._command
         self._look(stamp_ns)
         if self._target is None or self._scan is None or self._odometry is None:
-            self._command = STILL
+            wanted = _LOOKS_ROUND if self._looks_round else STILL
+            self._command = ramped(now, wanted, ROBOT, PERIOD_NS * 1e-9)
             return base.Velocity(now.x, now.yaw_rate, now.y)
         moved = self._asked_at.between(self._odometry)
         self._asked_at = self._odometry
@@ -185,6 +190,8 @@ class MappingRobot:
         self._looked_ns = stamp_ns
         here = self.T_map_base
         route = self._keeper.update(np.array([here.x, here.y]))
+        self._has_driven = self._has_driven or route.state == ON_ITS_WAY
+        self._looks_round = route.state == NO_WAY and not self._has_driven
         if route.points is not None:
             new = len(route.points) > 0
             self._target = PathTarget(route.points, self._config.lookahead_m) if new else None
