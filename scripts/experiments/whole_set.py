@@ -73,8 +73,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
                 sections = report(known, values, args)
                 write_html(args.out_dir, "floornav: all", sections, "so far")
     except BaseException:
-        for process in active_children():
-            process.terminate()
+        _end_children()
         raise
     failed = [name for name, outcome in outcomes.items() if outcome.state == "failed"]
     values["ok"] = not failed
@@ -93,9 +92,20 @@ def _outcomes(items: list[Item], args: argparse.Namespace) -> Iterator[Outcome]:
         else:
             yield Outcome(item.name, "not run", f"no recording {missing}", None, [], None, None)
     with ThreadPoolExecutor(args.jobs) as side_by_side:
-        yield from side_by_side.map(lambda i: _run(i, args), [i for i in ready if i.kind == "one"])
+        try:
+            alone = [item for item in ready if item.kind == "one"]
+            yield from side_by_side.map(lambda item: _run(item, args), alone)
+        except BaseException:  # what has begun would be waited for
+            side_by_side.shutdown(wait=False, cancel_futures=True)
+            _end_children()
+            raise
     for kind in ("spread", "alone"):
         yield from (_run(item, args) for item in ready if item.kind == kind)
+
+
+def _end_children() -> None:
+    for process in active_children():
+        process.terminate()
 
 
 def _run(item: Item, args: argparse.Namespace) -> Outcome:
