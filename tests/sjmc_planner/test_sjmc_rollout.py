@@ -122,3 +122,20 @@ def test_what_is_left_out_could_not_have_been_met() -> None:
         part = sight.look(now, course, 0.8, 0.05, near, met)
         assert min(part.thing_gap, 0.4) == pytest.approx(min(whole.thing_gap, 0.4))
         assert min(part.people_gap, 0.3) == pytest.approx(min(whole.people_gap, 0.3))
+
+
+@pytest.mark.parametrize(
+    ("gaps", "kept"),
+    [
+        ((0.5, 0.9), (0.1, 0.1)),  # the margin
+        ((0.07, 0.5), (0.07, 0.07)),  # along what it stands beside
+        ((0.02, 0.04, 0.5), (0.02, 0.04, 0.05)),  # no nearer, and half of the margin off the rest
+        ((0.0, 0.5), (0.0, 0.05)),  # nothing is in the robot
+    ],
+)
+def test_what_is_kept_off_things(gaps: tuple[float, ...], kept: tuple[float, ...]) -> None:
+    things = np.array([[0.2 + gap, 0.0] for gap in gaps])
+    rows = foresight().kept_off(things, 0.1)
+    assert rows[:, :2] == pytest.approx(things) and rows[:, 2] == pytest.approx(kept, abs=1e-5)
+    seen = foresight().look(STILL, 0.0, 0.0, 0.0, rows, NOBODY)
+    assert 0.0 < seen.thing_gap == pytest.approx(min(np.subtract(gaps, kept)), abs=1e-5)

@@ -16,6 +16,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from sjmc_planner.config import RobotConfig
 from sjmc_planner.limited_motion import stopping_speed
 from sjmc_planner.omni_velocity import Cycle
@@ -49,6 +51,7 @@ from sjmc_planner.sjmc_retreat import Retreat
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_room import make_room
 from sjmc_planner.sjmc_scene import SceneReader
+from sjmc_planner.sjmc_way_out import WayOut
 from sjmc_planner.sjmc_zones import DANGER, zone_of
 from sjmc_planner.tracking_config import TrackingConfig
 from sjmc_planner.unicycle_motion import Unicycle
@@ -57,8 +60,7 @@ _SHARES = (1.0, 0.75, 0.5, 0.3, 0.15)  # of a course's speed, tried in turn
 _LOOKS = (1.0, 0.5, 0.25)  # of look_m
 _MOST = 24  # courses looked along with each
 _SLOW, _HELD, _HELD_SHARE = 0.03, 0.1, 0.9  # m/s
-_BACK, _CREEP = -0.15, 0.2  # m/s
-_SHARE_BACK = 0.5  # of the distance to things: the way that it came has it still
+_CREEP = 0.2  # m/s
 _WISHES = 3  # in a row to turn away: till then it brakes, as turns that end at once do not
 
 
@@ -85,6 +87,7 @@ class Sjmc:
         self._patience = Patience(config, cycle.period)
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
         self._retreat = Retreat(config, cycle.period)
+        self._way_out = WayOut(self._unicycle, self._foresight, self._moments, cycle.period)
         self._side = 0
         self._has_minded = self._is_backing = False
         self._num_wished = 0
@@ -95,6 +98,7 @@ class Sjmc:
         """Return the command for now (Fig. 3.3; the end is asked first)."""
         scene = self._scenes.read(state, obstacles)
         self._retreat.note(state)
+        self._way_out.note(state.moved.yaw)
         if goal.distance <= self._cycle.goal_tolerance:  # end
             return Decision(STILL, REACHED)
         self._patience.mind(self._has_minded)
@@ -107,11 +111,13 @@ class Sjmc:
             is_judged[ahead.who] = True
             moment = self._moments.of(state, goal, scene, is_judged)
         num_wished = self._num_wished
-        decision = self._on_course(moment) or self._around(moment)
+        decision = self._way_out.turn(moment) or self._on_course(moment) or self._around(moment)
+        if decision is None:
+            decision = self._way_out.begin_turn(moment, self._open_courses(moment))
         if self._num_wished == num_wished:
             self._num_wished = 0
         if self._retreat.is_due(decision) and not obstacles.shows_nothing:
-            decision = self._back_out(moment) or decision
+            decision = self._way_out.back(moment, self._retreat) or decision
         if decision is None:
             decision = self._stuck(moment)
         self._is_backing = decision.state == BACKING
@@ -183,6 +189,12 @@ class Sjmc:
                     return Decision(self._command(course, speed), TURNING, f"around {what}")
         return None
 
+    def _open_courses(self, moment: Moment) -> np.ndarray:
+        """Return the courses to turn to, open as far as is known, the best first, rad."""
+        order = preferred(moment.bearings, moment.goal.bearing, moment.not_shut, self._side)
+        far = min(_LOOKS[-1] * self._config.look_m, self._moments.reach(moment.goal))
+        return np.asarray(moment.bearings[order[moment.not_shut[order] >= far]])
+
     def _stuck(self, moment: Moment) -> Decision:
         """Return what is left: creep on where that is safe, or stand."""
         ahead = self._in_the_way(moment.goal.bearing, moment)
@@ -192,20 +204,6 @@ class Sjmc:
             return Decision(self._command(moment.goal.bearing, speed), BLOCKED, reason)
         is_still = moment.state.velocity.speed < _SLOW
         return Decision(STILL, BLOCKED if is_still else BRAKING, reason)
-
-    def _back_out(self, moment: Moment) -> Decision | None:
-        """Return how to back out of where it is stuck; None where that is not safe."""
-        now, scene, place = moment.state.velocity, moment.scene, self._retreat.place
-        around = scene.solids, scene.people
-        seen = self._foresight.look(now, 0.0, _BACK, self._cycle.period, *around)
-        there = self._foresight.gaps(*around, (place.x, place.y, place.yaw))
-        is_free = there.thing_gap >= _SHARE_BACK * min(self._robot.margin_m, moment.now.thing_gap)
-        people = min(seen.people_gap, there.people_gap)
-        is_safe = is_free and self._moments.is_clear(replace(moment.now, people_gap=people), moment)
-        if self._unicycle is not None and is_safe:
-            return Decision(self._retreat.back(_BACK), BACKING, "no course is open")
-        self._retreat.end()
-        return None
 
     def _turned(self, course: float, moment: Moment) -> Decision:
         """Return how to face a course that was seen, from one that was not: stand, then turn."""

@@ -21,7 +21,6 @@ _SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
 _NO_SPEED = 0.03
 _MET_M = 0.2  # from the outline to a person's disk: legs reach out of it
 _KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
-_NO_GAP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -35,11 +34,12 @@ class Moment:
         is_judged: Who is judged not to yield, shape (N,), bool.
         bearings: Of the courses, the target's first, shape (K,), rad.
         free: How far each is free of what does not yield, shape (K,), m; 0 where not looked.
+        not_shut: The same of what is known, looked or not.
         fastest: What the travel speed, the goal and the horizon allow, m/s.
         is_met: Whether one of several who walk is right before the robot.
         is_blind: Whether the way that the robot faces was not looked along.
         now: Gaps of now.
-        near: Things that braking may come near, shape (M, 2), m.
+        near: Things that braking may come near, and how far to keep off each, shape (M, 3), m.
         people: People who may come near meanwhile, rows as in the scene.
         braked: What comes of braking now.
     """
@@ -50,6 +50,7 @@ class Moment:
     is_judged: np.ndarray
     bearings: np.ndarray
     free: np.ndarray
+    not_shut: np.ndarray
     fastest: float
     is_met: bool
     is_blind: bool
@@ -87,6 +88,7 @@ class MomentReader:
         radii[len(scene.things) :] = scene.people[is_solid, 4] + config.clearance_m
         free = free_ways(bearings, points, radii, self._box.front, self._half)
         free[free + self._box.front > self.reach(goal)] = np.inf
+        not_shut = free.copy()
         looked = robot.radius_m, _SEEN_M
         free[scene.ends.unseen(bearings, *looked)] = 0.0
         heading = np.zeros(1) if robot.drive == "differential" else bearings[:1]
@@ -96,11 +98,12 @@ class MomentReader:
         is_met = scene.num_walking > 1 and self._is_met(scene)
         now = self._foresight.gaps(scene.solids, scene.people)
         near = self._foresight.within_reach(state.velocity, fastest, scene.solids)
+        near = self._foresight.kept_off(near, robot.margin_m)
         people = self._foresight.may_meet(state.velocity, fastest, scene.people)
         braked = self._foresight.look(state.velocity, 0.0, 0.0, 0.0, near, people)
         return Moment(
-            state, goal, scene, is_judged, bearings, free, fastest, is_met, is_blind, now, near,
-            people, braked,
+            state, goal, scene, is_judged, bearings, free, not_shut, fastest, is_met, is_blind, now,
+            near, people, braked,
         )  # fmt: skip
 
     def _is_met(self, scene: Scene) -> bool:
@@ -125,10 +128,8 @@ class MomentReader:
 
     def is_clear(self, seen: Foreseen, moment: Moment) -> bool:
         """Tell whether a look ahead keeps its distances, or at least what there is of them."""
-        now = moment.now
-        thing = min(self._robot.margin_m, now.thing_gap - _NO_GAP)
-        person = min(self._config.clearance_m, now.people_gap - _KEEP_GAP)
-        return seen.thing_gap >= thing and seen.people_gap >= person
+        person = min(self._config.clearance_m, moment.now.people_gap - _KEEP_GAP)
+        return seen.thing_gap >= 0.0 and seen.people_gap >= person
 
     def debug(self, moment: Moment, command: Velocity) -> Debug:
         """Return what was weighed, and the course that a command takes, for pictures."""

@@ -20,6 +20,7 @@ from sjmc_planner.unicycle_motion import _ahead, _step
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _DT = 0.1
 _HERE = (0.0, 0.0, 0.0)
+_NO_GAP = 1e-6
 _BEYOND = 0.6  # farther than this from where it may come nothing counts, m
 
 
@@ -28,7 +29,7 @@ class Foreseen:
     """What comes of a command.
 
     Attributes:
-        thing_gap: Least distance to a thing, m; 0 or less in it.
+        thing_gap: Least distance to a thing, m, beyond what is to be kept of it; 0 or less in it.
         people_gap: Least distance to a person's disk, m; negative in it.
         people_time: When that is, s.
     """
@@ -68,7 +69,7 @@ class Foresight:
             course: Bearing to drive along, rad.
             speed: How fast, m/s; negative backs (with course 0).
             hold: For how long, s.
-            things: What stands, shape (M, 2), m.
+            things: What stands, shape (M, 2), m, or as `kept_off` returns it, shape (M, 3).
             people: Rows x, y, vx, vy, radius, shape (N, 5).
         """
         delay, until = self._times
@@ -86,6 +87,18 @@ class Foresight:
         here = (*at, 0.0, 0.0)
         found = _gaps(here, self._box, 0.0, things, people, np.inf, np.inf, 0.0)
         return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
+
+    def kept_off(self, things: np.ndarray, margin: float) -> np.ndarray:
+        """Return things and the distance to keep of each: rows x, y, m, shape (M, 3).
+
+        That is the margin; where the robot stands nearer than that to one, what there is, so that
+        it may go on along what it stands beside. But never less than half of the margin, except
+        for those that are nearer already, which must not come any nearer. So what is taken for
+        something in the robot itself, which nothing can be, takes no care off the rest.
+        """
+        gaps = _each_gap(things, self._box) - self._air
+        near = max(min(margin, gaps.min(initial=np.inf) - _NO_GAP), 0.5 * margin)
+        return np.column_stack((things[:, :2], np.minimum(gaps - _NO_GAP, near)))
 
     def within_reach(
         self, now: Velocity, fastest: float, things: np.ndarray, hold: float = 0.0
@@ -159,9 +172,11 @@ def _omni_step(state, course, speed, accel, dt):  # type: ignore[no-untyped-def]
 def _gaps(state, box, t, things, people, least_thing, least_person, at):  # type: ignore[no-untyped-def]
     c, s = math.cos(state[2]), math.sin(state[2])
     for i in range(len(things)):
+        keep = things[i, 2] if things.shape[1] > 2 else 0.0
         gap2 = _gap2(things[i, 0] - state[0], things[i, 1] - state[1], c, s, box)
-        if gap2 < least_thing * least_thing:
-            least_thing = math.sqrt(gap2)
+        least = least_thing + keep
+        if least > 0.0 and gap2 < least * least:
+            least_thing = math.sqrt(gap2) - keep
     for i in range(len(people)):
         x = people[i, 0] + t * people[i, 2] - state[0]
         y = people[i, 1] + t * people[i, 3] - state[1]
@@ -169,6 +184,15 @@ def _gaps(state, box, t, things, people, least_thing, least_person, at):  # type
         if gap < least_person:
             least_person, at = gap, t
     return least_thing, least_person, at
+
+
+@numba.njit(cache=True, nogil=True)
+def _each_gap(things, box):  # type: ignore[no-untyped-def]
+    """Return how far each thing is from the box, shape (M,), m."""
+    gaps = np.empty(len(things))
+    for i in range(len(things)):
+        gaps[i] = math.sqrt(_gap2(things[i, 0], things[i, 1], 1.0, 0.0, box))
+    return gaps
 
 
 @numba.njit(cache=True, nogil=True, inline="always")
