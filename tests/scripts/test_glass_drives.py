@@ -60,6 +60,19 @@ def test_before_a_pane_without_a_way_round_it_the_robot_comes_near_and_never_tou
     assert outcome.path_m > 0.8 and 0.03 < outcome.min_glass_m < 2.0
 
 
+def test_a_robot_whose_map_does_not_reach_to_the_goal_looks_round_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A room without the pane, and the goal right behind the robot, where its laser is blind."""
+    world = closed_off().world
+    robot = replace(world.robots[0], position_m=(5.6, 2.0))
+    behind = Place(replace(world, walls=world.walls[:4], robots=(robot,)), ((1.2, 2.0),), "room")
+    monkeypatch.setattr(glass_drives_runs, "LIMIT_S", 40.0)
+    monkeypatch.setattr(glass_drives_runs, "place_of", lambda seed, number: behind)
+    outcome = run_task(Task(0, "sjmc", 0))
+    assert outcome.is_reached and outcome.touched == ""
+
+
 def test_the_judge_ends_a_run_at_a_touch(monkeypatch: pytest.MonkeyPatch) -> None:
     """A robot that only drives ahead, whatever it is asked."""
     from sim_bridge.drive import Velocity
