@@ -136,6 +136,37 @@ def test_a_goal_that_cannot_be_is_named_and_the_old_path_is_canceled(graph, plac
     graph.until(lambda: graph.has_said(words, b"\x02"))
 
 
+def test_a_goal_fixed_to_the_robot_is_refused(graph):
+    graph.maps.publish(map_of())
+    graph.goals.publish(goal_of(1.0, 0.0, frame="base_link"))
+    graph.until(lambda: graph.has_said("goal: 'base_link' is fixed to the robot", b"\x02"))
+    assert not graph.paths
+
+
+def test_a_goal_that_it_cannot_place_yet_takes_the_last_path_back_though_its_end_is_reached(graph):
+    graph.maps.publish(map_of())
+    graph.goals.publish(goal_of(1.0, 1.0))
+    graph.until(lambda: graph.has_said("idle: no goal", b"\x00") and bool(graph.paths))
+    assert len(graph.points()) > 0
+    graph.goals.publish(goal_of(1.0, 0.0, frame="nowhere"))
+    graph.until(lambda: len(graph.points()) == 0)
+    num = len(graph.paths)
+    for _ in range(20):
+        graph.beat()
+    assert len(graph.paths) == num  # once
+
+
+def test_a_way_is_said_in_the_log_once_a_goal(graph):
+    graph.maps.publish(map_of())
+    for _ in range(3):
+        graph.goals.publish(goal_of(5.0, 1.0))
+        graph.beat()
+    graph.until(lambda: "way of 4.0 m to map (5.000, 1.000) found" in graph.node.text)
+    graph.goals.publish(goal_of(4.0, 1.0))
+    graph.until(lambda: "way of 3.0 m to map (4.000, 1.000) found" in graph.node.text)
+    assert graph.node.text.count(" found") == 2
+
+
 def test_without_a_pose_it_says_what_is_missing(start, peer):
     node = start(*NODE)
     node.wait_for("ready", 120.0)

@@ -31,6 +31,11 @@ class PathTarget:
         self._along = np.concatenate(([0.0], np.cumsum(steps)))
         self._done = 0.0
 
+    @property
+    def end(self) -> tuple[float, float]:
+        """Where it leads, m."""
+        return float(self._points[-1, 0]), float(self._points[-1, 1])
+
     def goal(self, T_path_base: SE2) -> Goal:
         """Return where to head for, seen from a pose; remembers how far the robot came."""
         here = np.array([T_path_base.x, T_path_base.y])

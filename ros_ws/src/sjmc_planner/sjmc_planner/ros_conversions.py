@@ -69,14 +69,16 @@ def path_to_msg(points: np.ndarray, frame_id: str, stamp: Any) -> Path:
 
 
 def state_to_msg(
-    name: str, level: bytes, state: str, reason: str, waited_s: float, left_m: float | None
-) -> DiagnosticStatus:
-    """Return what the planner says on `planner/state`."""
+    name: str, level: bytes, state: str, reason: str, waited_s: float, left_m: float | None,
+    goal: str = "",
+) -> DiagnosticStatus:  # fmt: skip
+    """Return what the planner says on `planner/state`; the goal as `goal_name` gives it."""
     values = {
         "state": state,
         "reason": reason,
         "waited (s)": f"{waited_s:.1f}",
         "distance left (m)": "" if left_m is None else f"{left_m:.2f}",
+        "goal": goal,
     }
     return DiagnosticStatus(
         name=name, level=level, message=f"{state}: {reason}" if reason else state,

@@ -45,6 +45,7 @@ class RouteKeeper:
         self._points = _NOTHING
         self._is_due = False  # a way has to be made, or looked at again
         self._is_new_goal = False
+        self._is_followed = False  # a path is out, and none that took it back
         self._no_way = ""  # why there is none, as far as is known
 
     def set_config(self, config: WavefrontConfig) -> None:
@@ -67,6 +68,10 @@ class RouteKeeper:
     def wait(self, why: str) -> Route:
         """Return how it stands while something is missing; an old goal's path is taken back."""
         return Route(WAITING, why, self._dropped() if self._is_new_goal else None)
+
+    def refuse(self, why: str) -> Route:
+        """Return how it stands with a goal that cannot be; an old goal's path is taken back."""
+        return Route(NO_WAY, why, self._dropped())
 
     def update(self, here: np.ndarray) -> Route:
         """Return how it stands with the robot at a place, shape (2,), m."""
@@ -101,12 +106,12 @@ class RouteKeeper:
             old = self._costs.cost_of(np.concatenate((here[None], ahead)))
             if way.cost >= (1.0 - self._config.better_share) * old:
                 return Route(ON_ITS_WAY, f"{_length(ahead):.1f} m left")
-        self._points = way.points
+        self._points, self._is_followed = way.points, True
         return Route(ON_ITS_WAY, f"{_length(way.points):.1f} m left", way.points)
 
     def _dropped(self, *, must: bool = False) -> np.ndarray | None:
-        """Return an empty path if there is one to take back."""
-        had, self._points = len(self._points) > 0, _NOTHING
+        """Return an empty path if there is one to take back, its end reached or not."""
+        had, self._points, self._is_followed = self._is_followed, _NOTHING, False
         return _NOTHING if had or must else None
 
     def _ahead(self, here: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.qos import LATCHED_QOS, RELIABLE_QOS, create_subscription
 from floornav_common.se2 import SE2
 from sjmc_planner.config import LocalPlannerConfig
+from sjmc_planner.goal_progress import goal_name
 from sjmc_planner.nodes.follow_path_port import FollowPathPort
 from sjmc_planner.path_target import PathTarget
 from sjmc_planner.ros_conversions import path_points
@@ -44,6 +45,11 @@ class GoalPort:
         else:
             create_subscription(node, PoseStamped, "goal_pose", self._on_goal, RELIABLE_QOS)
 
+    @property
+    def name(self) -> str:
+        """Where the goal is, as `goal_name` gives it; "" without one."""
+        return "" if self.target is None else goal_name(self.frame, *self.target.end)
+
     def set_config(self, config: LocalPlannerConfig) -> None:
         """Take another lookahead, from the next goal on."""
         self._config = config
@@ -63,8 +69,9 @@ class GoalPort:
         """Take a path; return "" or what is wrong with it."""
         frames = {p.header.frame_id for p in msg.poses} - {"", msg.header.frame_id}
         if not msg.poses:
+            if self.target is not None:
+                self._node.get_logger().info("an empty path: the goal is canceled")
             self.clear()
-            self._node.get_logger().info("an empty path: the goal is canceled")
             return "the path is empty"
         if frames:
             fault = f"path in '{msg.header.frame_id}' has poses in {sorted(frames)}"

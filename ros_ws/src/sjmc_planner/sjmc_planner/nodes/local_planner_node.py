@@ -110,7 +110,7 @@ class LocalPlannerNode(FloornavNode):
         speed: float = 0.0,
     ) -> None:  # fmt: skip
         """Say how it goes."""
-        self._report.set(state, reason, left)
+        self._report.set(state, reason, left, self._goals.name)
         self._goals.note(state, reason, left, moved, speed)
 
     def _since_last(self, now_ns: int) -> float:

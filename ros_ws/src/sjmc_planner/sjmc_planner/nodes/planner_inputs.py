@@ -19,7 +19,7 @@ from floornav_common.stuck_scan import StuckScan
 from floornav_common.transform_errors import TransformUnavailable
 from sjmc_planner.config import LocalPlannerConfig
 from sjmc_planner.limited_motion import moved_by, seen_from
-from sjmc_planner.nodes.input_missing import InputMissing
+from sjmc_planner.nodes.input_missing import InputMissing, fixed_frame
 from sjmc_planner.nodes.known_inputs import KnownInputs
 from sjmc_planner.planning import Obstacles, Velocity
 from sjmc_planner.ros_conversions import velocity_from_msg
@@ -120,7 +120,7 @@ class PlannerInputs:
         except (TransformUnavailable, ValueError) as error:
             raise InputMissing(f"pose: {error}") from error
         if not stamp_ns:
-            raise InputMissing(f"goal: '{frame}' is fixed to the robot; give it in odom or map")
+            raise InputMissing(fixed_frame(frame))
         age = self._age(f"pose: '{frame}' to '{base}':", stamp_ns, self._config.pose_timeout_s)
         return T_frame_base @ moved_by(velocity, age)
 

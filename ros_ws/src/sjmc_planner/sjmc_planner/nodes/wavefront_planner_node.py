@@ -13,7 +13,6 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Path
 
-from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
 from floornav_common.ros.main import run_node
 from floornav_common.ros.messages import grid_from_msg, pose_to_se2
 from floornav_common.ros.node import FloornavNode
@@ -23,17 +22,17 @@ from floornav_common.ros.qos import (
     RELIABLE_QOS,
     create_publisher,
     create_subscription,
-    publisher_names,
 )
 from floornav_common.se2 import SE2
 from floornav_common.transform_errors import TransformUnavailable
+from sjmc_planner.nodes.input_missing import InputMissing, fixed_frame
+from sjmc_planner.nodes.way_report import WayReport
 from sjmc_planner.ros_conversions import path_to_msg
-from sjmc_planner.route_keeper import NO_WAY, WAITING, Route, RouteKeeper
+from sjmc_planner.route_keeper import Route, RouteKeeper
 from sjmc_planner.warm_up import compile_wavefront
 from sjmc_planner.wavefront_config import WavefrontConfig
 
 _PERIOD_S = 0.5
-_LEVELS = {WAITING: STALE, NO_WAY: ERROR}
 
 
 class WavefrontPlannerNode(FloornavNode):
@@ -47,6 +46,7 @@ class WavefrontPlannerNode(FloornavNode):
         self._map_frame = ""
         self._goal: PoseStamped | None = None  # until it is known in the map's frame
         self._base = self.frames.base
+        self._report = WayReport(self)
         self._path_pub = create_publisher(self, Path, "path", LATCHED_QOS)
         self.transforms  # noqa: B018, listens from now on
         create_subscription(self, OccupancyGrid, "map", self._on_map, LATCHED_QOS)
@@ -73,32 +73,25 @@ class WavefrontPlannerNode(FloornavNode):
         """Take a goal; the old way does not count any more."""
         self._keeper.set_goal(None)
         self._goal = msg
+        self._report.take_goal(msg)
         self._look()
 
     def _look(self) -> None:
         """Make a way, or say what is missing for one."""
         if self._goal is None and not self._keeper.has_goal:
-            self._rest()
+            self._report.rest(self._map_frame)
             return
         try:
             if self._goal is not None:
                 self._place_goal(self._goal)
             here = self._pose()
+        except InputMissing as error:
+            self._say(self._keeper.refuse(str(error)))
+            return
         except (TransformUnavailable, ValueError) as error:
             self._say(self._keeper.wait(str(error)))
             return
         self._say(self._keeper.update(here))
-
-    def _rest(self) -> None:
-        """Say that there is no goal; or no map, and who would send it."""
-        if self._map_frame:
-            self.diagnostics.set("path", Status(OK, "idle: no goal"))
-            return
-        topic = self.resolve_topic_name("map")
-        senders = ", ".join(publisher_names(self, topic)) or "nobody"
-        text = f"waiting for a map: {topic}: never arrived; published by {senders}"
-        self.diagnostics.set("path", Status(STALE, text))
-        self.get_logger().info(text, once=True)
 
     def _place_goal(self, goal: PoseStamped) -> None:
         """Give the goal to the keeper in the map's frame.
@@ -106,6 +99,7 @@ class WavefrontPlannerNode(FloornavNode):
         Raises:
             TransformUnavailable: If its frame is not known yet.
             ValueError: If there is no map yet, or the goal is no pose.
+            InputMissing: If its frame is the robot's own.
         """
         frame = goal.header.frame_id
         if not self._map_frame:
@@ -113,6 +107,8 @@ class WavefrontPlannerNode(FloornavNode):
         T_map_goal = pose_to_se2(goal.pose)
         if frame != self._map_frame:
             T_map_goal = self._lookup(frame) @ T_map_goal
+            if not self.transforms.buffer.newest_common_stamp(frame, self._base):
+                raise InputMissing(fixed_frame(frame))
         self._goal = None
         self._keeper.set_goal(np.array([T_map_goal.x, T_map_goal.y]))
 
@@ -136,12 +132,7 @@ class WavefrontPlannerNode(FloornavNode):
         return self.transforms.buffer.lookup(self._map_frame, frame).to_se2()
 
     def _say(self, route: Route) -> None:
-        level = _LEVELS.get(route.state, OK)
-        if route.state == WAITING and self._keeper.has_goal:
-            level = WARN
-        self.diagnostics.set("path", Status(level, f"{route.state}: {route.text}"))
-        if level != OK:
-            self.get_logger().warning(f"{route.state}: {route.text}", throttle_duration_sec=5.0)
+        self._report.say(route, self._map_frame, has_goal=self._keeper.has_goal)
         if route.points is not None:
             stamp = self.get_clock().now().to_msg()
             self._path_pub.publish(path_to_msg(route.points, self._map_frame, stamp))
