@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -88,6 +89,27 @@ def test_silent_input_is_stale_on_diagnostics(start: Start, peer: Peer) -> None:
     )  # fmt: skip
     peer.spin_until(lambda: "/test_peer" in statuses(arrays, "input /scan")[-1].message)
     assert statuses(arrays, "input /scan")[-1].level == b"\x03"
+
+
+def test_an_input_that_comes_and_goes_is_said_in_the_log_once_in_ten_seconds(
+    start: Start, peer: Peer
+) -> None:
+    node = start(NODES, "picky")
+    node.wait_for("ready")
+    arrays = hear_diagnostics(peer)
+    began_s = time.monotonic()
+    scans = peer.publisher(LaserScan, "/scan", 10, to=node)
+
+    def is_now(level: bytes) -> bool:
+        said = statuses(arrays, "input /scan")
+        return bool(said) and said[-1].level == level
+
+    for _ in range(4):
+        peer.publish_until(scans, scan_of(1), lambda: is_now(b"\x00"))
+        peer.spin_until(lambda: is_now(b"\x03"))
+    num_said = node.text.count("; published by")
+    assert 1 <= num_said <= 2 + int((time.monotonic() - began_s) / 10.0)  # one before it began
+    assert node.text.count("/scan: arriving") <= num_said
 
 
 @pytest.mark.parametrize(

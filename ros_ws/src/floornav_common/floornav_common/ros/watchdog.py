@@ -11,6 +11,8 @@ from floornav_common.time_watch import Deadline
 if TYPE_CHECKING:
     from floornav_common.ros.node import FloornavNode
 
+_LOG_PERIOD_NS = 10_000_000_000
+
 
 class Watchdog:
     """Watches one input of a node; part `input <topic>` of its diagnostics.
@@ -30,6 +32,7 @@ class Watchdog:
         node.diagnostics.add(f"input {topic}", self.status)
         node.time.on_look(self._say_change)
         self._has_said_silence, self._refusal = False, ""
+        self._said_ns: int | None = None
 
     def feed(self) -> None:
         """Note that the input came."""
@@ -53,9 +56,15 @@ class Watchdog:
         return self._deadline.has_heard and not is_late and not time.is_stopped
 
     def _say_change(self) -> None:
-        """Say once in the log that the input is missing, and once that it came."""
+        """Say once in the log that the input is missing, and once that it came.
+
+        One that comes and goes, as on a machine too slow for it, is said once in ten seconds.
+        """
         is_missing = not self.is_fresh and self._deadline.is_over(self._node.time.read_ns())
-        if is_missing and not self._has_said_silence:
+        now_ns = self._node.time.steady_ns()
+        is_soon = self._said_ns is not None and now_ns - self._said_ns < _LOG_PERIOD_NS
+        if is_missing and not self._has_said_silence and not is_soon:
+            self._said_ns = now_ns
             self._node.get_logger().warning(f"{self.topic}: {self.status().message}")
         elif self._has_said_silence and self.is_fresh and not self._refusal:
             self._node.get_logger().info(f"{self.topic}: arriving")
