@@ -69,7 +69,7 @@ def test_a_wide_thing_is_gone_around_and_not_waited_for() -> None:
 def test_who_walks_across_is_waited_for_and_the_reason_says_how_long() -> None:
     decision = watched(sjmc(), [(1.3, 0.5, 0.2, 0.0, -0.8)], FAR, num=16)
     assert decision.state == WAITING and decision.command == STILL
-    assert decision.reason.startswith("waiting for a person, 0.")
+    assert decision.reason.startswith("for a person, 0.")
 
 
 def test_beside_who_stands_it_slows_down() -> None:

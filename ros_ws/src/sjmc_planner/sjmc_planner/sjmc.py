@@ -150,7 +150,9 @@ class Sjmc:
         waited, is_out = self._patience.wait_for(ahead, moment.scene)
         if is_out:
             return None
-        return Decision(STILL, WAITING, f"waiting for a person, {waited:.1f} s")
+        is_walking = ahead.who >= 0 and moment.scene.is_moving[ahead.who]
+        whom = "a person" if is_walking else "what may be a person"
+        return Decision(STILL, WAITING, f"for {whom}, {waited:.1f} s")
 
     def _make_room(self, seen: Foreseen, moment: Moment) -> Decision | None:
         """Return how to give way to who would come too near even if it stopped."""
