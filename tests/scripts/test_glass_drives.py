@@ -63,10 +63,14 @@ def test_before_a_pane_without_a_way_round_it_the_robot_comes_near_and_never_tou
 def test_a_robot_whose_map_does_not_reach_to_the_goal_looks_round_first(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A room without the pane, and the goal right behind the robot, where its laser is blind."""
-    world = closed_off().world
-    robot = replace(world.robots[0], position_m=(5.6, 2.0))
-    behind = Place(replace(world, walls=world.walls[:4], robots=(robot,)), ((1.2, 2.0),), "room")
+    """A long room; the goal is far behind the robot, where its laser is blind."""
+    corners = [(0.0, 0.0), (11.0, 0.0), (11.0, 4.0), (0.0, 4.0)]
+    walls = [
+        Wall(from_m=a, to_m=b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)
+    ]
+    robot = RobotPlacement(model="segway_rmp50", position_m=(9.6, 2.0), yaw_deg=0.0)
+    world = World(name="long", walls=tuple(walls), robots=(robot,))
+    behind = Place(world, ((1.2, 2.0),), "room")
     monkeypatch.setattr(glass_drives_runs, "LIMIT_S", 40.0)
     monkeypatch.setattr(glass_drives_runs, "place_of", lambda seed, number: behind)
     outcome = run_task(Task(0, "sjmc", 0))
