@@ -41,6 +41,7 @@ from experiments.crowd_runs import (
     scene_of,
 )
 from experiments.crowd_scenes import SCENES
+from experiments.crowd_words import BESIDE, SHOWN, glossary
 from experiments.parallel_tasks import add_spread_options, run_tasks
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
 from sim_bridge.people.recorded import read_obsmat
@@ -53,17 +54,6 @@ _AIMS = (
     "contacts caused", "stops over 5 s where all yield", "time / VFH+", "turns / VFH+, both"
 )  # fmt: skip
 _MOST = 0.0, 0.0, 0.7, 0.5
-_BESIDE = {
-    "time": "time / VFH+", "runs": "of runs", "time_both": "time / VFH+, both",
-    "heading_changes": "turns / VFH+, both", "runs_both": "of runs, both",
-}  # fmt: skip
-_SHOWN = {
-    "runs": "runs", "success": "success", "collisions_caused": "caused",
-    "collisions_theirs": "theirs", "collisions_things": "things", "time_s": "time s",
-    "path_ratio": "path / line", "min_distance_m": "least m", "time_not_moving_s": "at rest s",
-    "longest_stop_s": "longest s", "long_stops_where_all_yield": "over 5 s",
-    "heading_changes": "turns", "intimate_s": "< 0.45 m s", "personal_s": "< 1.2 m s",
-}  # fmt: skip
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -94,8 +84,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def check(args: argparse.Namespace) -> None:
     """Refuse bad input before a folder is made."""
-    if args.runs < 1 or args.jobs < 1:
-        raise UserError(f"--runs and --jobs must be >= 1, got {args.runs} and {args.jobs}")
+    for name in ("runs", "jobs"):
+        if getattr(args, name) < 1:
+            raise UserError(f"--{name} must be >= 1, got {getattr(args, name)}")
     if not args.fps > 0.0:
         raise UserError(f"--fps must be > 0, got {args.fps:g}")
     for file in args.people:
@@ -170,17 +161,18 @@ def _sections(
     places: dict[str, str],
 ) -> list[Section]:  # fmt: skip
     sections = []
-    header = ["method", *_SHOWN.values(), *_BESIDE.values()]
+    header = ["method", *SHOWN.values(), *BESIDE.values()]
     for scene in places:
         rows = []
         for method, own in values["scenes"][scene]["methods"].items():
             ratios = own[f"beside_{_BASE}"] or {}
-            cells = [own[key] for key in _SHOWN] + [ratios.get(key) for key in _BESIDE]
+            cells = [own[key] for key in SHOWN] + [ratios.get(key) for key in BESIDE]
             rows.append([method, *(_cell(value) for value in cells)])
         pictures = _pictures(args, scene, places[scene], outcomes)
         title = f"{scene.replace('_', ' ')}: {values['runs_of_each']} runs"
         sections.append(Section(title, [Table(header, rows), *pictures]))
     is_reacting = "sjmc" in args.methods and any(name in SCENES for name in places)
+    sections.append(glossary())
     return [_aims(values["scenes"]), *sections] if is_reacting else sections
 
 
@@ -218,7 +210,10 @@ def _pictures(
         path = args.out_dir / f"{scene}_{number}.png"
         task = Task(scene, number, args.methods[0], args.seed, people, args.fps)
         draw_scene(path, scene_of(task), runs)
-        text = f"{scene}, run {number}: the robot every second (blue), people's ways (orange)."
+        text = (
+            f"{scene}, run {number}: the robot every second (blue), people's ways and where they "
+            "were at the end (orange dots, disks), the goal (black cross)."
+        )
         drawn.append(Picture(path, text))
     return drawn
 

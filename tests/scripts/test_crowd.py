@@ -16,6 +16,7 @@ from experiments import crowd, crowd_runs
 from experiments.crowd_recorded import recorded
 from experiments.crowd_runs import Outcome, Task, beside, figures, run_task
 from experiments.crowd_scenes import ROBOT, SCENES
+from experiments.crowd_words import BESIDE, SHOWN, glossary
 from floornav_common.reporting import UserError
 from floornav_common.se2 import SE2
 from sim_bridge.robot_model import load_robot
@@ -80,6 +81,30 @@ def test_the_report_says_which_aims_are_met() -> None:
     own["runs_where_all_yield"] = 0
     (table,) = crowd._aims({"corridor": {"methods": {"sjmc": own}}}).blocks
     assert table.rows[0][2] == "not measured"
+
+
+def test_every_column_of_the_report_is_explained_and_its_key_is_in_the_summary() -> None:
+    (table,) = glossary().blocks
+    assert [row[0] for row in table.rows] == [*SHOWN.values(), *BESIDE.values()]
+    own = figures([GOOD])
+    own["beside_vfh_plus"] = beside({0: GOOD}, {0: GOOD})
+    for _, key, meaning in table.rows:
+        first, _, second = key.partition(".")
+        assert (second in own[first] if second else first in own) and meaning
+
+
+def test_the_page_names_the_keys_of_the_summary() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "compare-planners.md").read_text()
+    for key in (*SHOWN, "reached", "runs_where_all_yield"):
+        assert f"`{key}`" in page
+
+
+def test_what_a_picture_shows_is_said_below_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crowd, "draw_scene", lambda *_: None)
+    args = argparse.Namespace(out_dir=Path(), methods=["sjmc"], seed=0, fps=25.0)
+    (picture,) = crowd._pictures(args, "doorway", "", {Task("doorway", 0, "sjmc", 0): GOOD})
+    for words in ("the robot every second (blue)", "orange dots, disks", "the goal (black cross)"):
+        assert words in picture.caption
 
 
 def test_one_row_is_sjmc_told_the_disk_that_the_others_are_told() -> None:
@@ -169,8 +194,8 @@ def test_the_same_task_gives_the_same_outcome(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.parametrize(
     ("change", "said"),
-    [({"runs": 0}, "--runs"), ({"jobs": 0}, "--jobs"), ({"fps": 0.0}, "--fps"),
-     ({"people": ["none.txt"]}, "none.txt"), ({"scenes": []}, "no scene")],
+    [({"runs": -3}, "^--runs must be >= 1, got -3$"), ({"jobs": 0}, "^--jobs must be >= 1"),
+     ({"fps": 0.0}, "--fps"), ({"people": ["none.txt"]}, "none.txt"), ({"scenes": []}, "no scene")],
 )  # fmt: skip
 def test_bad_input_is_named(change: dict[str, object], said: str) -> None:
     parser = argparse.ArgumentParser()
