@@ -52,8 +52,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def check(args: argparse.Namespace) -> None:
     """Refuse bad input before a folder is made."""
-    if args.runs < 1 or args.jobs < 1:
-        raise UserError(f"--runs and --jobs must be >= 1, got {args.runs} and {args.jobs}")
+    for name in ("runs", "jobs"):
+        if getattr(args, name) < 1:
+            raise UserError(f"--{name} must be >= 1, got {getattr(args, name)}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
