@@ -291,6 +291,17 @@ def test_at_the_goal_it_says_reached_and_falls_silent(launch):
     assert not run.robot.commands
 
 
+def test_changes_of_state_come_to_the_log_and_the_state_names_the_goal(launch):
+    run = launch(goal=False)
+    run.robot.until(lambda: "idle: no goal" in run.node.text)
+    run.goals.publish(goal_of(2.0, -0.5))
+    run.robot.until(lambda: "driving" in run.node.text)
+    assert {v.key: v.value for v in run.robot.states[-1].values}["goal"] == "odom (2.000, -0.500)"
+    run.goals.publish(goal_of(0.01))
+    run.robot.until(lambda: "]: reached" in run.node.text)
+    assert run.node.text.count("]: driving") == run.node.text.count("]: reached") == 1
+
+
 def test_a_second_publisher_on_cmd_vel_is_named(launch, make_peer):
     run = launch()
     other = make_peer("other_driver")
