@@ -1,9 +1,10 @@
 """How much room any robot with these limits can leave in section 5.2.3 without turning.
 
 The person of Fig. 5.4 sets out once the robot senses it a distance away and heeds nothing. Whoever
-goes straight can only back. Here a robot is told at once that the person walks, and backs as hard
-as the drive can once a command acts: from rest, or from the creeping speed of `sjmc` with the wait
-for its laser's next scan. What is left is the most that `sjmc` can be asked for.
+goes straight can only back. Here a robot is told that the person walks, and backs as hard as the
+drive can once a command acts: from rest, told at once or by its laser's next scan; and from the
+creeping speed of `sjmc`, told by the next scan. What is left is the most that can be asked for of
+a robot that goes at that speed; the slower it creeps, the more it is.
 """
 
 from __future__ import annotations
@@ -50,11 +51,12 @@ def best_gap(distance: float, walker_speed: float, speed: float, latency: float)
 
 
 def bound_rows(distances: list[float]) -> list[dict[str, Any]]:
-    """Return what an oracle at rest could keep, and one that creeps and sees every 0.1 s."""
+    """Return what who is told at once could keep, and who sees every 0.1 s, at rest or creeping."""
     creep = SjmcConfig().bystander_end_m_s
     return [
         {
             "distance_m": d, "walker_m_s": s, "at_rest_told_at_once_m": best_gap(d, s, 0.0, ACTS_S),
+            "at_rest_told_by_the_next_scan_m": best_gap(d, s, 0.0, ACTS_S + SCAN_S),
             "creeping_told_by_the_next_scan_m": best_gap(d, s, creep, ACTS_S + SCAN_S),
         }
         for d in distances if d > 1.0

@@ -17,7 +17,8 @@ NAMES = {
 }  # fmt: skip
 _BOUND = (
     "The most room that a robot with these limits can leave without turning, told that the person "
-    "walks and backing as hard as it can: from rest, and creeping with the wait for the next scan."
+    "walks and backing as hard as it can: from rest told at once, from rest with the wait for the "
+    "next scan, and with that wait from the speed at which sjmc creeps."
 )
 _COLORS = {"sjmc": "tab:green", "sjmc_published": "tab:orange", "vfh_plus": "tab:blue"}
 _FOUND = {

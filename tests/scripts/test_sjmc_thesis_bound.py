@@ -30,4 +30,16 @@ def test_rows_are_of_the_distances_that_the_walk_can_begin_at() -> None:
         (1.3, 1.1),
         (1.3, 1.4),
     ]
-    assert all(r["at_rest_told_at_once_m"] > r["creeping_told_by_the_next_scan_m"] for r in rows)
+    for row in rows:
+        at_once, waits, creeps = (
+            row["at_rest_told_at_once_m"], row["at_rest_told_by_the_next_scan_m"],
+            row["creeping_told_by_the_next_scan_m"],
+        )  # fmt: skip
+        assert at_once > waits > creeps
+
+
+def test_before_the_fastest_walker_at_1_3_m_the_creeping_speed_decides() -> None:
+    """With the wait for a scan 0.2 m are left at rest and at 0.02 m/s, and not at 0.03 m/s."""
+    gaps = [best_gap(1.3, 1.4, speed, 0.2) for speed in (0.0, 0.02, 0.03, 0.05)]
+    assert gaps == sorted(gaps, reverse=True)
+    assert gaps[1] > 0.2 > gaps[2]
