@@ -34,6 +34,7 @@ _FAR_FACE, _PAST = -0.79, 0.5
 _MODEL = "segway_urg"
 _POSTS = {"low": 3, "high": 9}
 _KEEP_S = 0.2
+_ASIDE = 0.3  # a step aside, m
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ class Outcome:
         min_gap_m: Least distance to a person; inf with nobody.
         heading_changes: Turns by more than 15 degrees.
         waited_s: Time at rest.
-        has_moved: Whether the first person went aside by 0.3 m or more.
+        has_moved: Whether the first person went aside by 0.3 m or more before the robot was
+            abreast of them.
         track: t, x, y, yaw of the robot, shape (N, 4).
         people: t, x, y of the first person, shape (M, 3).
     """
@@ -203,16 +205,36 @@ def _room(x0: float, y0: float, x1: float, y1: float) -> tuple[Wall, ...]:
 
 def _outcome(drive: Drive, task: Task) -> Outcome:
     first = next(iter(drive.people.values()), np.zeros((0, 3)))
-    moved = np.hypot(*(first[:, 1:] - first[:1, 1:]).T).max(initial=0.0)
     every = max(round(_KEEP_S / 0.01), 1)
     return Outcome(
         is_done=drive.is_reached, time_s=drive.time_s, path_m=drive.path_m,
         is_straight=drive.most_off_rad < STRAIGHT_RAD, contacts=len(drive.contacts),
         by_robot=sum(c.by_robot for c in drive.contacts), min_gap_m=drive.min_gap_m,
         heading_changes=drive.heading_changes, waited_s=drive.not_moving_s,
-        has_moved=bool(moved >= 0.3),
+        has_moved=stepped_aside(first, drive.times, drive.poses),
         track=np.column_stack((drive.times, drive.poses))[::every], people=first,
     )  # fmt: skip
+
+
+def stepped_aside(person: np.ndarray, times: np.ndarray, poses: np.ndarray) -> bool:
+    """Tell whether somebody makes room by 0.3 m, before a robot has come abreast of them.
+
+    Across the robot's first heading, which is the line that both are on (standing, oncoming): who
+    goes on along it, or goes aside once the robot is there, makes no room.
+
+    Args:
+        person: t, x, y, shape (M, 3).
+        times: Of the robot, shape (N,), s.
+        poses: x, y, yaw of the robot, shape (N, 3).
+    """
+    if not len(person) or not len(poses):
+        return False
+    ahead = np.array([math.cos(poses[0, 2]), math.sin(poses[0, 2])])
+    robot = np.column_stack([np.interp(person[:, 0], times, poses[:, k]) for k in (0, 1)])
+    is_before = (person[:, 1:] - robot) @ ahead > 0.0
+    aside = np.abs((person[:, 1:] - person[0, 1:]) @ np.array([-ahead[1], ahead[0]]))
+    until = len(person) if is_before.all() else int(np.argmin(is_before))
+    return bool(aside[:until].max(initial=0.0) >= _ASIDE)
 
 
 _COURSES = {

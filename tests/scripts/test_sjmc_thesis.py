@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from experiments import glass_drives, sjmc_thesis
-from experiments.sjmc_thesis_drives import CROSSING, PUBLISHED, STANDING, STATIC, Outcome, Task
+from experiments.sjmc_thesis_drives import (
+    CROSSING,
+    PUBLISHED,
+    STANDING,
+    STATIC,
+    Outcome,
+    Task,
+    stepped_aside,
+)
 from experiments.sjmc_thesis_figures import (
     response_rows,
     stable_rows,
@@ -73,6 +81,35 @@ def test_who_does_not_yield_is_passed_whatever_the_course() -> None:
     assert rows["yielding"]["success"] == 0.0 and rows["unyielding"]["success"] == 1.0
     none = stable_rows(done, STANDING, "vfh_plus")["yielding"]
     assert none["success"] is None and none["runs"] == 0
+
+
+T = np.linspace(0.0, 10.0, 101)
+DRIVE = np.column_stack((5.0 - 0.8 * T, 0.0 * T, np.full_like(T, np.pi)))  # along -x
+
+
+def person(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return np.column_stack((T, x, y))
+
+
+def test_who_comes_and_goes_straight_on_does_not_step_aside() -> None:
+    assert not stepped_aside(person(-5.0 + T, 0.0 * T), T, DRIVE)
+    assert not stepped_aside(person(-5.0 + T, 0.02 * T), T, DRIVE)  # sways
+    assert not stepped_aside(np.zeros((0, 3)), T, DRIVE)  # nobody
+
+
+def test_who_makes_room_before_the_robot_is_abreast_steps_aside() -> None:
+    """They meet at 10 / 1.8 = 5.6 s (coming), and at 6.25 s (standing)."""
+    for x in (-5.0 + T, 0.0 * T):
+        assert stepped_aside(person(x, np.clip(T - 4.0, 0.0, 0.5)), T, DRIVE)
+        assert stepped_aside(person(x, -np.clip(T - 4.0, 0.0, 0.5)), T, DRIVE)
+        assert not stepped_aside(person(x, np.clip(T - 7.0, 0.0, 0.5)), T, DRIVE)
+
+
+def test_aside_is_across_the_robots_way_wherever_that_leads() -> None:
+    turned = np.column_stack((DRIVE[:, 1], -DRIVE[:, 0], np.full_like(T, np.pi / 2.0)))  # along +y
+    along = np.clip(T - 3.0, 0.0, 0.5)
+    assert not stepped_aside(person(0.0 * T, along), T, turned)
+    assert stepped_aside(person(along, 0.0 * T), T, turned)
 
 
 def test_every_part_has_its_drives_and_each_only_once() -> None:
