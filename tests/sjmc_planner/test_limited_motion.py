@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from floornav_common.se2 import SE2
 from sjmc_planner.config import RobotConfig
 from sjmc_planner.limited_motion import (
+    held_to,
     limited_position,
     limited_velocity,
     moved_by,
@@ -79,6 +80,27 @@ def test_a_differential_ramp_has_no_sideways_speed():
     robot = RobotConfig(drive="differential", accel_m_s2=1.0, yaw_accel_rad_s2=2.0)
     sent = ramped(STILL, Velocity(1.0, 1.0, -5.0), robot, 0.1)
     assert (sent.x, sent.y, sent.yaw_rate) == pytest.approx((0.1, 0.0, -0.2))
+
+
+@given(SPEEDS, SPEEDS, st.floats(-9.0, 9.0))
+def test_what_is_held_to_the_limits_is_the_same_arc(x, y, yaw_rate):
+    robot, wanted = RobotConfig(speed_m_s=0.4, yaw_rate_rad_s=1.2), Velocity(x, y, yaw_rate)
+    held = held_to(wanted, robot)
+    assert held.speed <= 0.4 + TOL and abs(held.yaw_rate) <= 1.2 + TOL
+    assert held.yaw_rate * wanted.speed == pytest.approx(wanted.yaw_rate * held.speed, abs=1e-9)
+    assert held.x * y == pytest.approx(held.y * x, abs=1e-9)
+    if wanted.speed <= 0.4 and abs(yaw_rate) <= 1.2:
+        assert held == wanted
+
+
+@pytest.mark.parametrize("drive", ["omni", "differential"])
+def test_a_ramp_ends_at_the_limits_whatever_is_wanted(drive):
+    """Ten times too fast backward and in the turn: 0.1 of it is both limits at once."""
+    robot = RobotConfig(drive=drive, speed_m_s=0.4, yaw_rate_rad_s=1.2)
+    last = STILL
+    for _ in range(200):
+        last = ramped(last, Velocity(-4.0, 0.0, 12.0), robot, 0.05)
+    assert (last.x, last.y, last.yaw_rate) == pytest.approx((-0.4, 0.0, 1.2))
 
 
 def test_a_quarter_turn_of_an_arc():

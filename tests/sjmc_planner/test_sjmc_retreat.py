@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sjmc_scenes import ROBOT
 
 from floornav_common.se2 import SE2
 from sjmc_planner.limited_motion import moved_by
@@ -23,7 +27,7 @@ def moving(way: float, speed: float = 0.5) -> RobotState:
 
 
 def arrived(meters: float = 0.4) -> Retreat:
-    retreat = Retreat(SjmcConfig(backs_off_m=0.5), PERIOD)
+    retreat = Retreat(ROBOT, SjmcConfig(backs_off_m=0.5), PERIOD)
     retreat.note(moving(meters))
     return retreat
 
@@ -74,7 +78,7 @@ def test_after_standing_for_long_among_people_it_gives_them_room() -> None:
 
 def test_it_backs_along_the_arc_that_it_came() -> None:
     """Driven on an arc to the left of 1 m radius, it comes back to where that began."""
-    retreat = Retreat(SjmcConfig(), PERIOD)
+    retreat = Retreat(ROBOT, SjmcConfig(), PERIOD)
     at, step = SE2.identity(), moved_by(Velocity(0.5, 0.0, 0.5), PERIOD)
     for _ in range(40):
         at = at @ step
@@ -102,5 +106,35 @@ def test_the_way_that_it_came_is_at_most_gone_once() -> None:
 
 
 def test_who_came_no_way_backs_none() -> None:
-    retreat = Retreat(SjmcConfig(), PERIOD)
+    retreat = Retreat(ROBOT, SjmcConfig(), PERIOD)
     assert not any(retreat.is_due(None) for _ in range(60))
+
+
+def test_a_place_beside_it_is_backed_to_no_faster_than_it_turns() -> None:
+    """After 0.06 m and 1.4 rad on the spot the way back is a bend of 33 1/m: w alone is at most."""
+    retreat = Retreat(ROBOT, SjmcConfig(), PERIOD)
+    for _ in range(2):
+        retreat.note(moving(0.03))
+    for _ in range(14):
+        retreat.note(RobotState(Velocity(0.0, 0.0, 1.2), moved=SE2(0.0, 0.0, 0.1)))
+    back = retreat.back(-0.15)
+    assert -0.15 < back.x < 0.0 and abs(back.yaw_rate) == pytest.approx(ROBOT.yaw_rate_rad_s)
+    x, y = retreat.place.x, retreat.place.y
+    assert back.yaw_rate / back.x == pytest.approx(2.0 * y / (x * x + y * y))
+
+
+STEPS = st.lists(st.tuples(st.floats(-0.02, 0.05), st.floats(-0.15, 0.15)), max_size=60)
+
+
+@settings(max_examples=60, deadline=None)
+@given(steps=STEPS, fastest=st.floats(0.02, 1.0), speed=st.floats(-0.5, -0.01))
+def test_it_backs_within_its_limits_whatever_way_it_came(
+    steps: list[tuple[float, float]], fastest: float, speed: float
+) -> None:
+    robot = replace(ROBOT, speed_m_s=fastest)
+    retreat = Retreat(robot, SjmcConfig(), PERIOD)
+    for x, yaw in steps:
+        retreat.note(RobotState(Velocity(x / PERIOD, 0.0, yaw / PERIOD), moved=SE2(x, 0.0, yaw)))
+    back = retreat.back(speed)
+    assert -min(fastest, -speed) - 1e-9 <= back.x < 0.0
+    assert abs(back.yaw_rate) <= robot.yaw_rate_rad_s + 1e-9

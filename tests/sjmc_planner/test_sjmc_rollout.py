@@ -52,7 +52,7 @@ def test_who_walks_past_a_standing_robot_is_nearest_abreast_of_it() -> None:
 def test_backing_makes_room() -> None:
     person = np.array([[1.2, 1.5, 0.0, -1.0, 0.25]])
     stands = foresight().look(STILL, 0.0, 0.0, 0.0, NOTHING, person)
-    backs = foresight().look(STILL, 0.0, -0.5, 2.0, NOTHING, person)
+    backs = foresight().obey(STILL, Velocity(-0.5, 0.0, 0.0), 2.0, NOTHING, person)
     assert backs.people_gap > stands.people_gap + 0.15
 
 
@@ -61,7 +61,7 @@ def test_who_walks_through_the_robot_is_the_deeper_in_the_less_it_backs() -> Non
     crosses = np.array([[0.1, 1.0, 0.0, -1.0, 0.25]])
     stands = foresight().look(STILL, 0.0, 0.0, 0.0, NOTHING, crosses)
     assert stands.people_gap == pytest.approx(-0.1 - 0.25, abs=1e-6)
-    backs = foresight().look(STILL, 0.0, -0.15, 2.0, NOTHING, crosses)
+    backs = foresight().obey(STILL, Velocity(-0.15, 0.0, 0.0), 2.0, NOTHING, crosses)
     assert backs.people_gap > stands.people_gap + 0.02
 
 
@@ -89,6 +89,36 @@ def test_what_a_turning_robot_really_sweeps_until_it_stands_is_foreseen(
         pose = pose @ moved_by(now, dt)
     seen = foresight().look(Velocity(x, 0.0, w), 0.0, 0.0, 0.0, point, NOBODY)
     assert seen.thing_gap == pytest.approx(real, abs=STEP_M)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    back=st.floats(-0.5, 0.0), w=st.floats(-1.2, 1.2), px=st.floats(-1.5, 0.8),
+    py=st.floats(-1.2, 1.2),
+)  # fmt: skip
+def test_what_an_arc_back_really_sweeps_is_foreseen(
+    back: float, w: float, px: float, py: float
+) -> None:
+    """Driven in steps of 5 ms: at rest for the delay, the arc for 1 s, then braking."""
+    point, box, dt, hold = np.array([[px, py]]), box_of(ROBOT), 0.005, 1.0
+    pose, now, real, command = SE2.identity(), STILL, math.inf, Velocity(back, 0.0, w)
+    for k in range(round(UNTIL / dt)):
+        there = (pose.inverse() @ point)[0]
+        ahead = max(there[0] - box.front, -box.rear - there[0], 0.0)
+        real = min(real, math.hypot(ahead, max(abs(there[1]) - box.half_width, 0.0)))
+        is_held = DELAY <= k * dt < DELAY + hold
+        now = ramped(now, command if is_held else STILL, ROBOT, dt)
+        pose = pose @ moved_by(now, dt)
+    seen = foresight().obey(STILL, command, hold, point, NOBODY)
+    assert seen.thing_gap == pytest.approx(real, abs=STEP_M)
+
+
+def test_a_holonomic_robot_obeys_along_the_course_of_the_command() -> None:
+    """Back at 0.3 m/s for 1 s: 0.3 m and no more than a step, of the 0.5 m to the thing."""
+    omni = RobotConfig(radius_m=0.3, speed_m_s=0.8, accel_m_s2=8.0)
+    thing = np.array([[-0.8, 0.0]])
+    seen = foresight(omni).obey(STILL, Velocity(-0.3, 0.0, 0.0), 1.0, thing, NOBODY)
+    assert seen.thing_gap == pytest.approx(0.2, abs=STEP_M)
 
 
 def test_a_robot_without_a_box_is_its_circle() -> None:

@@ -21,6 +21,7 @@ from sjmc_planner.sjmc_room import make_room
 from sjmc_planner.sjmc_scene import Scene
 
 RADIUS, BEHIND = 0.25, 0.5
+NONE = np.zeros((0, 2))
 CUTS = (0.75, 0.9, -0.3, -0.8)  # cuts the corner that a standing robot has there
 AT_IT = (1.5, 0.3, -1.0, 0.0)
 RUNS_IN = (1.2, 0.1, -0.9, 0.0)  # straight at it, faster than it backs
@@ -30,16 +31,16 @@ FAR = (1.8, -1.2, 0.0, -0.6)  # walks away
 def room(
     *people: tuple[float, float, float, float], behind: float = BEHIND, is_backing: bool = False,
     half_view: float = math.pi, robot: RobotConfig = ROBOT,
+    things: np.ndarray = NONE,
 ):  # fmt: skip
     rows = np.array([(*person, RADIUS) for person in people])
     scan = scan_of([])
     scan = replace(scan, ranges=np.where(np.abs(scan.angles) <= half_view, scan.ranges, np.nan))
     ends = BeamReader(0.1).read(Obstacles(scan, SE2.identity()))
-    none = np.zeros((0, 2))
     is_moving = np.hypot(rows[:, 2], rows[:, 3]) > 0.1
-    scene = Scene(ends, none, none, rows, np.arange(len(rows)), is_moving)
+    scene = Scene(ends, things, things, rows, np.arange(len(rows)), is_moving)
     sight = Foresight(robot, box_of(robot), 0.15, 2.5)
-    stands = sight.look(STILL, 0.0, 0.0, 0.0, none, rows)
+    stands = sight.look(STILL, 0.0, 0.0, 0.0, things, rows)
     state = RobotState(STILL)
     return make_room(state, scene, sight, stands, behind, robot, CONFIG.sjmc, is_backing)
 
@@ -49,6 +50,14 @@ def test_it_backs_before_who_cuts_its_corner_as_far_as_it_came() -> None:
     assert speed < 0.0 and course == 0.0
     without = room(CUTS, behind=0.0)
     assert without is None or without[0] > 0.0
+
+
+def test_it_backs_into_nothing() -> None:
+    """A pole 0.2 m behind it, on the way that it came."""
+    pole = np.array([[-ROBOT.rear_m - 0.2, 0.0]])
+    answer = room(CUTS, things=pole)
+    assert answer is None or answer[0] > 0.0
+    assert room(CUTS, things=pole - [1.0, 0.0])[0] < 0.0
 
 
 @pytest.mark.parametrize("drive", ["omni", "differential"])

@@ -64,12 +64,23 @@ def stopping_speed(distance: float, accel: float, idle_time: float) -> float:
     return accel * (math.sqrt(idle_time**2 + 2.0 * max(distance, 0.0) / accel) - idle_time)
 
 
+def held_to(wanted: Velocity, robot: RobotConfig) -> Velocity:
+    """Return a velocity held to the robot's fastest travel and turn, on the same arc."""
+    share = min(
+        1.0,
+        robot.speed_m_s / max(wanted.speed, 1e-12),
+        robot.yaw_rate_rad_s / max(abs(wanted.yaw_rate), 1e-12),
+    )
+    return Velocity(share * wanted.x, share * wanted.y, share * wanted.yaw_rate)
+
+
 def ramped(last: Velocity, wanted: Velocity, robot: RobotConfig, dt: float) -> Velocity:
     """Return the command on the way from the last one to the one wanted, within the limits.
 
     A holonomic robot's velocity vector changes by eq. 10; of a differential one speed and yaw rate
-    change each on its own.
+    change each on its own. What is wanted is `held_to` the limits first.
     """
+    wanted = held_to(wanted, robot)
     most = robot.accel_m_s2 * dt
     now, aim = np.array([last.x, last.y]), np.array([wanted.x, wanted.y])
     if robot.drive == "differential":

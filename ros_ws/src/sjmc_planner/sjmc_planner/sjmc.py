@@ -86,7 +86,7 @@ class Sjmc:
         self._moments = MomentReader(robot, config, self._box, self._foresight, self._delay)
         self._patience = Patience(config, cycle.period)
         self._unicycle = Unicycle(robot) if robot.drive == "differential" else None
-        self._retreat = Retreat(config, cycle.period)
+        self._retreat = Retreat(robot, config, cycle.period)
         self._way_out = WayOut(self._unicycle, self._foresight, self._moments, cycle.period)
         self._side = 0
         self._has_minded = self._is_backing = False

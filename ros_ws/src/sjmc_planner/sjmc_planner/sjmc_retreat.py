@@ -12,6 +12,8 @@ import math
 import numpy as np
 
 from floornav_common.se2 import SE2
+from sjmc_planner.config import RobotConfig
+from sjmc_planner.limited_motion import held_to
 from sjmc_planner.planning import TURNING, WAITING, Decision, RobotState, Velocity
 from sjmc_planner.sjmc_config import SjmcConfig
 
@@ -27,12 +29,13 @@ class Retreat:
     """Knows how far the robot may back, and when it should.
 
     Args:
+        robot: Its limits.
         config: How far it may.
         period: Time between two calls, s.
     """
 
-    def __init__(self, config: SjmcConfig, period: float) -> None:
-        self._most, self._period = config.backs_off_m, period
+    def __init__(self, robot: RobotConfig, config: SjmcConfig, period: float) -> None:
+        self._robot, self._most, self._period = robot, config.backs_off_m, period
         self._stuck_s, self._left, self._stood_s = 0.0, 0.0, 0.0
         self._trail = np.zeros((1, 2))
         self.behind = 0.0
@@ -73,10 +76,10 @@ class Retreat:
         return SE2(float(x), float(y), 2.0 * math.atan2(-y, -x))
 
     def back(self, speed: float) -> Velocity:
-        """Return how to back to `place` at a speed, negative, m/s."""
+        """Return how to back to `place` at a speed, negative, m/s, or as fast as it can."""
         x, y = self.place.x, self.place.y
         bend = 2.0 * y / max(x * x + y * y, _APART_M**2)  # 1/m
-        return Velocity(speed, 0.0, speed * bend)
+        return held_to(Velocity(speed, 0.0, speed * bend), self._robot)
 
     def end(self) -> None:
         """Back no more: it cannot."""

@@ -15,7 +15,7 @@ import numpy as np
 from sjmc_planner.config import RobotConfig
 from sjmc_planner.planning import Velocity
 from sjmc_planner.sjmc_region import Box
-from sjmc_planner.unicycle_motion import _ahead, _step
+from sjmc_planner.unicycle_motion import _ahead, _changed, _step
 
 # numba keeps these kernels by this file's date alone: see `unicycle_motion`.
 _DT = 0.1
@@ -67,16 +67,33 @@ class Foresight:
         Args:
             now: How the robot moves.
             course: Bearing to drive along, rad.
-            speed: How fast, m/s; negative backs (with course 0).
+            speed: How fast, m/s.
             hold: For how long, s.
             things: What stands, shape (M, 2), m, or as `kept_off` returns it, shape (M, 3).
             people: Rows x, y, vx, vy, radius, shape (N, 5).
         """
+        return self._look(now, course, speed, math.nan, hold, things, people)
+
+    def obey(
+        self, now: Velocity, command: Velocity, hold: float, things: np.ndarray,
+        people: np.ndarray,
+    ) -> Foreseen:  # fmt: skip
+        """Return what comes of a command as it is sent, such as an arc back; else as `look`."""
+        if self._is_omni:
+            course = math.atan2(command.y, command.x)
+            return self.look(now, course, command.speed, hold, things, people)
+        return self._look(now, 0.0, command.x, command.yaw_rate, hold, things, people)
+
+    def _look(
+        self, now: Velocity, course: float, speed: float, yaw_rate: float, hold: float,
+        things: np.ndarray, people: np.ndarray,
+    ) -> Foreseen:  # fmt: skip
+        """Return what comes of it; a yaw rate that is not NaN is driven in place of the course."""
         delay, until = self._times
         state = (0.0, 0.0, 0.0, now.x, now.y if self._is_omni else now.yaw_rate)
         found = _foresee(
-            state, self._is_omni, course, speed, hold, self._limits, delay, until, self._box,
-            things, people,
+            state, self._is_omni, course, speed, yaw_rate, hold, self._limits, delay, until,
+            self._box, things, people,
         )  # fmt: skip
         return Foreseen(found[0] - self._air, found[1] - self._air, found[2])
 
@@ -123,7 +140,9 @@ class Foresight:
 
 
 @numba.njit(cache=True, nogil=True)
-def _foresee(state, is_omni, course, speed, hold, limits, delay, until, box, things, people):  # type: ignore[no-untyped-def]
+def _foresee(  # type: ignore[no-untyped-def]
+    state, is_omni, course, speed, yaw_rate, hold, limits, delay, until, box, things, people
+):
     least_thing, least_person, at = np.inf, np.inf, 0.0
     least_thing, least_person, at = _gaps(
         state, box, 0.0, things, people, least_thing, least_person, at
@@ -145,6 +164,8 @@ def _foresee(state, is_omni, course, speed, hold, limits, delay, until, box, thi
         is_braking = t > delay + hold - 1e-9
         if is_omni:
             state = _omni_step(state, course, 0.0 if is_braking else speed, limits[0], _DT)
+        elif not (is_braking or math.isnan(yaw_rate)):
+            state = _changed(state, speed, yaw_rate, limits, _DT)
         else:
             state = _step(state, math.nan if is_braking else course, speed, limits, _DT)
         t += _DT

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from sjmc_planner.config import RobotConfig
-from sjmc_planner.planning import RobotState
+from sjmc_planner.planning import RobotState, Velocity
 from sjmc_planner.sjmc_config import SjmcConfig
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_scene import Scene
@@ -52,12 +52,13 @@ def make_room(
     people = foresight.may_meet(now, fastest, scene.people, _HOLD_S)
     gain = _GAIN_ON if is_backing else _GAIN
     best, chosen = max(standing.people_gap + gain, _HOPELESS), None
-    for speed in _BACK if scene.num_walking <= 1 else _BACK[:1]:
+    for wanted in _BACK if scene.num_walking <= 1 else _BACK[:1]:
         if behind <= 0.02:
             break
-        hold = behind / -speed
-        seen = foresight.look(now, 0.0, speed, hold, things, people)
-        if seen.people_gap > best:
+        speed = max(wanted, -fastest)
+        back = Velocity(speed, 0.0, 0.0)
+        seen = foresight.obey(now, back, behind / -speed, things, people)
+        if seen.people_gap > best and seen.thing_gap > 0.0:
             best, chosen = seen.people_gap, (speed, 0.0)
         if best >= config.clearance_m:
             return chosen

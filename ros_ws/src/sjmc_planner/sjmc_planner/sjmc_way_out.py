@@ -8,7 +8,6 @@ take the longer one, and then has to keep to it.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -97,14 +96,13 @@ class WayOut:
 
     def back(self, moment: Moment, retreat: Retreat) -> Decision | None:
         """Return how to back out of where it is stuck; None where that is not safe."""
-        now, place = moment.state.velocity, retreat.place
+        command, place = retreat.back(_BACK), retreat.place
         around = moment.near * _HALF, moment.scene.people
-        seen = self._foresight.look(now, 0.0, _BACK, self._period, *around)
+        seen = self._foresight.obey(moment.state.velocity, command, self._period, *around)
         there = self._foresight.gaps(*around, (place.x, place.y, place.yaw))
-        people = min(seen.people_gap, there.people_gap)
-        is_clear = self._moments.is_clear(replace(there, people_gap=people), moment)
+        is_clear = self._moments.is_clear(seen, moment) and self._moments.is_clear(there, moment)
         if self._unicycle is None or not is_clear:
             retreat.end()
             return None
         self._left = 0.0
-        return Decision(retreat.back(_BACK), BACKING, "no course is open")
+        return Decision(command, BACKING, "no course is open")

@@ -35,12 +35,18 @@ def _wanted(off, speed, yaw_rate, yaw_accel):  # type: ignore[no-untyped-def]
 @numba.njit(cache=True, nogil=True)
 def _step(state, bearing, speed, limits, dt):  # type: ignore[no-untyped-def]
     """Return (x, y, yaw, v, w) a step later; `bearing` is NaN for braking."""
-    x, y, yaw, v, w = state
-    accel, yaw_rate, yaw_accel = limits
     wanted_v, wanted_w = 0.0, 0.0
     if not math.isnan(bearing):
-        off = (bearing - yaw + math.pi) % (2.0 * math.pi) - math.pi
-        wanted_v, wanted_w = _wanted(off, speed, yaw_rate, yaw_accel)
+        off = (bearing - state[2] + math.pi) % (2.0 * math.pi) - math.pi
+        wanted_v, wanted_w = _wanted(off, speed, limits[1], limits[2])
+    return _changed(state, wanted_v, wanted_w, limits, dt)
+
+
+@numba.njit(cache=True, nogil=True)
+def _changed(state, wanted_v, wanted_w, limits, dt):  # type: ignore[no-untyped-def]
+    """Return (x, y, yaw, v, w) a step later, on the way to a speed and a yaw rate."""
+    x, y, yaw, v, w = state
+    accel, _, yaw_accel = limits
     v2 = v + min(max(wanted_v - v, -accel * dt), accel * dt)
     w2 = w + min(max(wanted_w - w, -yaw_accel * dt), yaw_accel * dt)
     along, middle = 0.5 * (v + v2) * dt, yaw + 0.25 * (w + w2) * dt
