@@ -129,6 +129,15 @@ def test_debug_names_the_courses_and_the_one_taken() -> None:
     assert np.abs(debug.grown[:, 1]).max() == pytest.approx(HALF)
 
 
+def test_debug_names_the_person_who_sets_the_speed() -> None:
+    aside, ahead = (2.0, 2.5, 0.2), (2.5, 0.1, 0.2)
+    debug = watched(sjmc(), [aside, ahead], FAR, has_debug=True).debug
+    assert debug is not None and len(debug.people) == 2
+    assert debug.people[debug.who, :2] == pytest.approx(ahead[:2], abs=0.15)
+    alone = watched(sjmc(), [aside], FAR, has_debug=True).debug
+    assert alone is not None and len(alone.people) == 1 and alone.who == -1
+
+
 def test_patience_with_one_person_ends() -> None:
     """Somebody who paces in the way is waited for, then taken as in the way for good."""
     method, states = sjmc(), []

@@ -109,6 +109,7 @@ class Debug:
         chosen: Index of the one taken; -1 for none.
         zones: Radii of circles about the robot that matter to it, m.
         people: Who it takes for people: x, y, vx, vy, radius, shape (P, 5), m and m/s.
+        who: Index of the one of them that sets the speed; -1 for nobody.
     """
 
     grown: np.ndarray
@@ -117,6 +118,7 @@ class Debug:
     chosen: int
     zones: tuple[float, ...] = ()
     people: np.ndarray = field(default_factory=lambda: np.zeros((0, 5)))
+    who: int = -1
 
 
 @dataclass(frozen=True)

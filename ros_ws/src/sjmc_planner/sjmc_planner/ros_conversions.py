@@ -15,11 +15,12 @@ from floornav_common.ros.messages import se2_to_pose
 from floornav_common.se2 import SE2
 from sjmc_planner.planning import Debug, Velocity
 
-_GROWN, _OPEN, _SHUT, _CHOSEN, _ZONE, _PERSON = (
+_GROWN, _OPEN, _SHUT, _CHOSEN, _ZONE, _PERSON, _COUNTS, _TEXT = (
     (0.9, 0.4, 0.1, 0.9), (0.2, 0.7, 0.3, 0.6), (0.6, 0.6, 0.6, 0.4), (0.1, 0.3, 1.0, 1.0),
-    (0.9, 0.7, 0.1, 0.8), (0.8, 0.1, 0.6, 1.0),
+    (0.9, 0.7, 0.1, 0.8), (0.8, 0.1, 0.6, 1.0), (1.0, 0.1, 0.1, 1.0), (1.0, 1.0, 1.0, 1.0),
 )  # fmt: skip
-_LINE_M = 0.01
+_LINE_M, _LETTER_M = 0.01, 0.15
+_ABOVE_M = 0.8  # the text over the floor
 
 
 def velocity_from_msg(msg: Any) -> Velocity:
@@ -86,26 +87,46 @@ def state_to_msg(
     )  # fmt: skip
 
 
-def debug_to_msg(debug: Debug, stamp: Any, frame_id: str) -> MarkerArray:
-    """Return the grown obstacles, the ways weighed, the one taken, zones and people."""
+def debug_to_msg(debug: Debug, line: str, stamp: Any, frame_id: str) -> MarkerArray:
+    """Return the grown obstacles, the ways weighed, the one taken, zones and people.
+
+    Args:
+        debug: What the method saw.
+        line: The state and its reason, to stand above the robot.
+        stamp: When.
+        frame_id: The robot's frame.
+    """
     shut = [w for w, t in zip(debug.candidates, debug.times, strict=True) if np.isfinite(t)]
     free = [w for w, t in zip(debug.candidates, debug.times, strict=True) if not np.isfinite(t)]
     taken = [debug.candidates[debug.chosen]] if debug.chosen >= 0 else []
     border = debug.grown[np.isfinite(debug.grown).all(axis=1)]
     zones = [_circle(0.0, 0.0, radius) for radius in debug.zones]
-    bodies = [_circle(x, y, radius) for x, y, _, _, radius in debug.people]
-    walks = [np.array([[x, y], [x + vx, y + vy]]) for x, y, vx, vy, _ in debug.people]
+    drawn = [
+        [_circle(x, y, radius), np.array([[x, y], [x + vx, y + vy]])]
+        for x, y, vx, vy, radius in debug.people
+    ]
+    counts = drawn[debug.who] if debug.who >= 0 else []
+    others = [way for k, ways in enumerate(drawn) if k != debug.who for way in ways]
     markers = [
         _marker(Marker.POINTS, "grown obstacles", border, _GROWN),
         _marker(Marker.LINE_LIST, "ways not free", _segments(shut), _SHUT),
         _marker(Marker.LINE_LIST, "ways free", _segments(free), _OPEN),
         _marker(Marker.LINE_LIST, "way taken", _segments(taken), _CHOSEN),
         _marker(Marker.LINE_LIST, "zones", _segments(zones), _ZONE),
-        _marker(Marker.LINE_LIST, "people", _segments([*bodies, *walks]), _PERSON),
+        _marker(Marker.LINE_LIST, "people", _segments(others), _PERSON),
+        _marker(Marker.LINE_LIST, "person who counts", _segments(counts), _COUNTS),
+        _text(line),
     ]
     for marker in markers:
         marker.header.stamp, marker.header.frame_id = stamp, frame_id
     return MarkerArray(markers=markers)
+
+
+def _text(line: str) -> Marker:
+    marker = _marker(Marker.TEXT_VIEW_FACING, "state", np.zeros((0, 2)), _TEXT)
+    marker.action, marker.text = Marker.ADD, line
+    marker.pose.position.z, marker.scale.z = _ABOVE_M, _LETTER_M
+    return marker
 
 
 def _circle(x: float, y: float, radius: float) -> np.ndarray:

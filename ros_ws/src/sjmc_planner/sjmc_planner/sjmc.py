@@ -45,6 +45,7 @@ from sjmc_planner.sjmc_people import (
     bystander_in_reach,
     is_not_yielding,
     people_in_the_way,
+    stands_near,
 )
 from sjmc_planner.sjmc_region import box_of
 from sjmc_planner.sjmc_retreat import Retreat
@@ -52,7 +53,6 @@ from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_room import make_room
 from sjmc_planner.sjmc_scene import SceneReader
 from sjmc_planner.sjmc_way_out import WayOut
-from sjmc_planner.sjmc_zones import DANGER, zone_of
 from sjmc_planner.tracking_config import TrackingConfig
 from sjmc_planner.unicycle_motion import Unicycle
 
@@ -121,9 +121,10 @@ class Sjmc:
         if decision is None:
             decision = self._stuck(moment)
         self._is_backing = decision.state == BACKING
-        if not has_debug:
-            return decision
-        return replace(decision, debug=self._moments.debug(moment, decision.command))
+        if has_debug:
+            who = self._in_the_way(goal.bearing, moment).who
+            decision = replace(decision, debug=self._moments.debug(moment, decision.command, who))
+        return decision
 
     def _on_course(self, moment: Moment) -> Decision | None:
         """Return the straight run, waiting included; None if something stands in its way."""
@@ -178,7 +179,7 @@ class Sjmc:
             for k in order[moment.free[order] >= far][:_MOST]:
                 course = float(moment.bearings[k])
                 ahead = self._in_the_way(course, moment)
-                if k != 0 and self._stands_near(ahead):
+                if k != 0 and stands_near(ahead, self._config):
                     continue
                 bound = min(ahead.bound, self._beside(course, moment))
                 stop = stopping_speed(moment.free[k], self._robot.accel_m_s2, self._delay)
@@ -226,11 +227,6 @@ class Sjmc:
         if bound < moment.fastest:
             self._has_minded = True
         return bound
-
-    def _stands_near(self, ahead: InTheWay) -> bool:
-        """Tell whether somebody stands in a course's Danger Zone (3.7)."""
-        zone = zone_of(ahead.distance, self._config.danger_m, self._config.caution_m)
-        return ahead.who >= 0 and ahead.is_stable and zone == DANGER
 
     def _safe_speed(self, course: float, bound: float, moment: Moment) -> tuple[float, Foreseen]:
         """Return the most speed from which braking keeps clear, and what is foreseen at it."""

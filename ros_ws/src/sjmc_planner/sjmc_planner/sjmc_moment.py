@@ -131,8 +131,8 @@ class MomentReader:
         person = min(self._config.clearance_m, moment.now.people_gap - _KEEP_GAP)
         return seen.thing_gap >= 0.0 and seen.people_gap >= person
 
-    def debug(self, moment: Moment, command: Velocity) -> Debug:
-        """Return what was weighed, and the course that a command takes, for pictures."""
+    def debug(self, moment: Moment, command: Velocity, who: int) -> Debug:
+        """Return what was weighed, the course that a command takes and who counts."""
         lengths = np.minimum(moment.free, self._config.look_m)
         units = np.column_stack((np.cos(moment.bearings), np.sin(moment.bearings)))
         ways = [np.array([[0.0, 0.0], a * u]) for a, u in zip(lengths, units, strict=True)]
@@ -142,4 +142,4 @@ class MomentReader:
         times = moment.free / self._robot.speed_m_s
         ahead = self._box.front
         zones = ahead + self._config.danger_m, ahead + self._config.caution_m
-        return Debug(region, ways, times, int(np.argmin(off)), zones, moment.scene.people)
+        return Debug(region, ways, times, int(np.argmin(off)), zones, moment.scene.people, who)

@@ -69,8 +69,16 @@ def is_not_yielding(ahead: InTheWay, scene: Scene, config: SjmcConfig) -> bool:
     """Tell whether who is ahead stands in the way where eq. 3.5 leaves no speed to speak of."""
     if ahead.who < 0 or scene.is_moving[ahead.who]:
         return False
-    zone = zone_of(ahead.distance, config.danger_m, config.caution_m)
-    return zone == DANGER or ahead.bound <= config.end_m_s
+    return _is_near(ahead, config) or ahead.bound <= config.end_m_s
+
+
+def stands_near(ahead: InTheWay, config: SjmcConfig) -> bool:
+    """Tell whether somebody stands in a course's Danger Zone (3.7)."""
+    return ahead.who >= 0 and ahead.is_stable and _is_near(ahead, config)
+
+
+def _is_near(ahead: InTheWay, config: SjmcConfig) -> bool:
+    return zone_of(ahead.distance, config.danger_m, config.caution_m) == DANGER
 
 
 @numba.njit(cache=True, nogil=True)

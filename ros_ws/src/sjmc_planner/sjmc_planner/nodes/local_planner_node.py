@@ -96,9 +96,9 @@ class LocalPlannerNode(FloornavNode):
             RobotState(velocity, self._commands.last, moved), obstacles, goal,
             has_debug=self._report.wants_markers,
         )  # fmt: skip
+        self._tell(decision.state, decision.reason, goal.distance, moved, velocity.speed)
         if decision.debug is not None:
             self._report.draw(decision.debug)
-        self._tell(decision.state, decision.reason, goal.distance, moved, velocity.speed)
         is_over = self._goals.target is None  # who sent the goal has just been told its end
         if is_over or (decision.state == REACHED and self._commands.last.is_still):
             self._commands.rest()

@@ -60,10 +60,10 @@ class PlannerReport:
         return is_time and self._marker_pub.get_subscription_count() > 0
 
     def draw(self, debug: Debug) -> None:
-        """Publish what the method saw."""
+        """Publish what the method saw, with the state that was set last."""
         self._drew_ns = self._node.time.steady_ns()
         stamp = self._node.get_clock().now().to_msg()
-        self._marker_pub.publish(debug_to_msg(debug, stamp, self._node.frames.base))
+        self._marker_pub.publish(debug_to_msg(debug, self._line, stamp, self._node.frames.base))
 
     def status(self) -> Status:
         """Return how it goes."""
