@@ -14,12 +14,14 @@ import argparse
 from typing import Any
 
 from experiments.parallel_tasks import add_spread_options, run_tasks
+from experiments.sjmc_thesis_aims import NEAREST_M, aims
 from experiments.sjmc_thesis_bound import bound_rows
 from experiments.sjmc_thesis_drives import (
     CROSSING,
     HALL,
     ONCOMING,
     PUBLISHED,
+    SLIM,
     STANDING,
     STATIC,
     WAVEFRONT,
@@ -45,10 +47,10 @@ CHOSEN = (2.7, 2.9, 3.1)  # of C, for Fig. 5.3
 DISTANCES = (0.9, 1.1, 1.3, 1.5, 1.7, 1.9, 2.1, 2.3, 2.7, 3.1, 3.5)
 QUICK_DISTANCES = (1.3, 1.9, 2.7, 3.5)
 METHODS = ("sjmc", PUBLISHED, "vfh_plus")
+CROSSING_METHODS = (*METHODS, SLIM)
 HALL_METHODS = (WAVEFRONT, "vff", "vfh", "vfh_plus", PUBLISHED, "sjmc")
 PARTS = ("static", "crossing", "stable", "table")
 NUM_OTHERS, NUM_RUNS, NUM_QUICK = 10, 50, 3
-CLAIMED_M = 1.3  # straight runs are claimed from this distance on
 _FIRST_DANGER = 2.0  # m: of Fig. 5.2, before 5.3 chose 1.9 m
 
 
@@ -56,7 +58,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
         "--runs", type=int, default=NUM_RUNS, metavar="N",
-        help=f"repetitions of sjmc with people, from {CLAIMED_M:g} m on; all else {NUM_OTHERS} "
+        help=f"repetitions of sjmc with people, from {NEAREST_M:g} m on; all else {NUM_OTHERS} "
         f"at most (default: {NUM_RUNS})",
     )  # fmt: skip
     parser.add_argument(
@@ -107,7 +109,7 @@ def tasks_of(args: argparse.Namespace) -> list[Task]:
 
 def _is_claimed(task: Task) -> bool:
     """Return whether shares are claimed of these runs, so that many are made."""
-    is_far = task.kind != CROSSING or task.distance >= CLAIMED_M
+    is_far = task.kind != CROSSING or task.distance >= NEAREST_M
     return task.method == "sjmc" and task.kind in (CROSSING, STANDING, ONCOMING) and is_far
 
 
@@ -127,7 +129,7 @@ def _static_tasks(seed: int, k: int) -> list[Task]:
 
 
 def _crossing_tasks(seed: int, k: int, distances: tuple[float, ...]) -> list[Task]:
-    return [Task(CROSSING, m, k, seed, distance=d) for d in distances for m in METHODS]
+    return [Task(CROSSING, m, k, seed, distance=d) for d in distances for m in CROSSING_METHODS]
 
 
 def _stable_tasks(seed: int, k: int) -> list[Task]:
@@ -163,3 +165,4 @@ def fill(values: dict[str, Any], done: dict[Task, Outcome]) -> None:
     values["static"] = static_figures(done)
     ratios = [row["ratio"] for row in values["static"].values() if row["ratio"] is not None]
     values["static_time_ratio"] = max(ratios, default=None)
+    values["aims"] = aims(values)

@@ -29,6 +29,8 @@ STATIC, CROSSING, STANDING, ONCOMING, HALL = "static", "crossing", "standing", "
 WALKS = (0.8, 1.4)
 STRAIGHT_RAD = math.radians(10.0)
 PUBLISHED, WAVEFRONT = "sjmc_published", "wavefront"
+SLIM = "vfh_plus_slim"  # VFH+ told a disk out of which the tail looks
+_SLIM_M = 0.45
 _CENTER = -0.145  # of the robot's outline, ahead of base_link, m
 _FAR_FACE, _PAST = -0.79, 0.5
 _MODEL = "segway_urg"
@@ -117,6 +119,9 @@ def run_task(task: Task) -> Outcome:
 def _method(name: str, sjmc: SjmcConfig) -> Method:
     if name == WAVEFRONT:
         return WavefrontPeer(LocalPlannerConfig(robot=ROBOT))
+    if name == SLIM:
+        slim = replace(ROBOT, radius_m=_SLIM_M, front_m=0.0, rear_m=0.0, half_width_m=0.0)
+        return make_method(LocalPlannerConfig(method="vfh_plus", robot=slim))
     return make_method(LocalPlannerConfig(method=name, robot=ROBOT, sjmc=sjmc))
 
 

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import argparse
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 
 from experiments import glass_drives, sjmc_thesis
+from experiments.crowd_scenes import ROBOT
 from experiments.sjmc_thesis_drives import (
     CROSSING,
+    ONCOMING,
     PUBLISHED,
+    SLIM,
     STANDING,
     STATIC,
     Outcome,
     Task,
+    _method,
     stepped_aside,
 )
 from experiments.sjmc_thesis_figures import (
@@ -25,6 +30,7 @@ from experiments.sjmc_thesis_figures import (
     straight_rows,
 )
 from floornav_common.reporting import UserError
+from sjmc_planner.sjmc_config import SjmcConfig
 
 
 def outcome(**changes) -> Outcome:
@@ -83,6 +89,46 @@ def test_who_does_not_yield_is_passed_whatever_the_course() -> None:
     assert none["success"] is None and none["runs"] == 0
 
 
+def test_aims_are_judged_by_hand() -> None:
+    """From 1.3 m on: one touched and came nearer than 0.2 m; 9 of 10 straight is enough."""
+    done = {
+        Task(CROSSING, "sjmc", k, 0, distance=distance): outcome(
+            is_straight=k != 0, contacts=int(k == 1), min_gap_m=0.0 if k == 1 else 0.3
+        )
+        for k in range(10)
+        for distance in (1.1, 1.3)
+    }
+    done |= {
+        Task(STANDING, "sjmc", k, 0, is_yielding=True): outcome(is_straight=k > 1)
+        for k in range(10)
+    }
+    done |= {Task(ONCOMING, "sjmc", 0, 0, is_yielding=False): outcome(contacts=1)}
+    done |= {
+        Task(STATIC, "sjmc", 0, 0, distance=2.7): outcome(time_s=12.0),
+        Task(STATIC, "vfh_plus", 0, 0, distance=2.7): outcome(time_s=10.0, path_m=0.833 * 8.0),
+    }
+    values: dict[str, Any] = {}
+    sjmc_thesis.fill(values, done)
+    found = [(row["found"], row["is_met"]) for row in values["aims"]]
+    assert found == [
+        ("1 of 10 at 1.3 m", False), ("90% at 1.3 m", False), ("90% at worst", True),
+        ("80%", False), ("0%", False), ("1.20", True), ("1.01 of that", False),
+    ]  # fmt: skip
+
+
+def test_of_what_was_not_driven_no_aim_is_judged() -> None:
+    values: dict[str, Any] = {}
+    sjmc_thesis.fill(values, {})
+    assert values["aims"] == []
+
+
+def test_the_slim_disk_is_told_to_vfh_plus_alone() -> None:
+    slim, whole = _method(SLIM, SjmcConfig()), _method("vfh_plus", SjmcConfig())
+    assert type(slim) is type(whole)
+    assert slim._method._robot.radius_m == 0.45
+    assert whole._method._robot.radius_m == ROBOT.radius_m
+
+
 T = np.linspace(0.0, 10.0, 101)
 DRIVE = np.column_stack((5.0 - 0.8 * T, 0.0 * T, np.full_like(T, np.pi)))  # along -x
 
@@ -119,7 +165,7 @@ def test_every_part_has_its_drives_and_each_only_once() -> None:
     assert {t.kind for t in tasks} == {"static", "crossing", "standing", "oncoming", "hall"}
     args.parts = ["crossing"]
     crossing = sjmc_thesis.tasks_of(args)
-    assert len(crossing) == 2 * 3 * len(sjmc_thesis.DISTANCES)
+    assert len(crossing) == 2 * 4 * len(sjmc_thesis.DISTANCES)
     assert {t.kind for t in crossing} == {CROSSING}
 
 
