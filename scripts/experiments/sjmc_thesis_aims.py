@@ -24,7 +24,8 @@ def _crossing(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     if not own:
         return []
     where = f"past who crosses, from {NEAREST_M:g} m on"
-    touched = [f"{r['contacts']} of {r['runs']} at {r['distance_m']:g} m"
+    touched = [f"{r['contacts']} of {r['runs']} at {r['distance_m']:g} m "
+               f"({r['contacts_by_robot']} by the robot)"
                for r in own if r["contacts"]]  # fmt: skip
     near = [f"{r['clear']:.0%} at {r['distance_m']:g} m" for r in own if r["clear"] < 1.0]
     least = min(r["straight"] for r in own)
