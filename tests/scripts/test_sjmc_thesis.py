@@ -111,7 +111,8 @@ def test_aims_are_judged_by_hand() -> None:
     sjmc_thesis.fill(values, done)
     found = [(row["found"], row["is_met"]) for row in values["aims"]]
     assert found == [
-        ("1 of 10 at 1.3 m (0 by the robot)", False), ("90% at 1.3 m", False), ("90% at worst", True),
+        ("1 of 10 at 1.3 m (0 by the robot)", False), ("90% at 1.3 m", False),
+        ("90% at worst", True),
         ("80%", False), ("0%", False), ("1.20", True), ("1.01 of that", False),
     ]  # fmt: skip
 
