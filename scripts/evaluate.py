@@ -112,9 +112,12 @@ def _parsed(argv: list[str]) -> argparse.Namespace:
     kinds = parser.add_subparsers(dest="experiment", metavar="EXPERIMENT", required=True)
     for name, text in EXPERIMENTS.items():
         kind = kinds.add_parser(name, help=text, description=text)
+        seed = 0
         if name in argv:
-            _module(name).add_options(kind)
-        add_common_options(kind)
+            module = _module(name)
+            module.add_options(kind)
+            seed = getattr(module, "SEED", seed)
+        add_common_options(kind, seed=seed)
     args, rest = parser.parse_known_args(argv)
     if rest:  # said with that experiment's own options
         kinds.choices[args.experiment].error(f"unrecognized arguments: {' '.join(rest)}")

@@ -10,7 +10,7 @@ the runs that reached both goals.
 
 Rows: `sjmc` and `vfh_plus` mind the glass of the map and echoes from close by, as the node does;
 `path only`: they mind the scan alone, and only the way knows of glass; `laser only`: no sonars.
-Values were chosen on seed 1000 and on the second place of seed 0.
+Values were chosen on seed 1000 and on the second place of seed 0: so seed 1 is the default here.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from floornav_common.reporting import Picture, Progress, Section, Table, UserErr
 
 NUM_RUNS, NUM_OTHERS, NUM_QUICK, NUM_PICTURED = 50, 20, 2, 4
 CLAIMED = ("sjmc", "vfh_plus")
+SEED = 1  # the default; values were chosen on a place of seed 0
 _SHOWN = {
     "runs": "runs", "touched_glass": "touched glass", "touched_things": "other things",
     "reached": "both goals", "goals_reached": "goals", "time_s": "time s",

@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("pybullet", reason="no pybullet: worlds cannot be simulated")
 
+import evaluate
 from experiments import glass_drives_runs
 from experiments.glass_drives_runs import ROWS, Outcome, Task, figures, run_task, shortest
 from experiments.glass_drives_worlds import Place, place_of
@@ -30,6 +31,12 @@ def test_a_place_has_a_goal_behind_glass_that_can_be_reached(number: int) -> Non
     for point in (start, *place.goals):
         assert min(s.signed_distance(np.array([point]))[0] for s in solids) >= 0.94
     assert place.kind == ("office" if number % 2 else "room")
+
+
+def test_the_default_seed_is_not_one_that_values_were_chosen_on() -> None:
+    assert evaluate._parsed(["glass-drives"]).seed == 1
+    assert evaluate._parsed(["glass-drives", "--seed", "0"]).seed == 0
+    assert evaluate._parsed(["crowd"]).seed == 0
 
 
 def test_a_number_gives_the_same_place_again_and_another_number_another() -> None:
