@@ -16,6 +16,7 @@ from sjmc_planner.limited_motion import moved_by
 from sjmc_planner.methods import make_method
 from sjmc_planner.planning import (
     BACKING,
+    BRAKING,
     DRIVING,
     STILL,
     TURNING,
@@ -70,6 +71,46 @@ def test_who_walks_across_is_waited_for_and_the_reason_says_how_long() -> None:
     decision = watched(sjmc(), [(1.3, 0.5, 0.2, 0.0, -0.8)], FAR, num=16)
     assert decision.state == WAITING and decision.command == STILL
     assert decision.reason.startswith("for a person, 0.")
+
+
+@pytest.mark.parametrize("thing", [(0.75, -0.55, 0.3), (0.85, -0.5, 0.35)])
+def test_for_a_thing_it_waits_for_nobody_whoever_stands_about(thing: tuple[float, ...]) -> None:
+    """Turning right into a thing, with somebody 3.6 m off to the side: all as with nobody there."""
+    goal, turns = goal_at(8.8, 4.8), Velocity(0.8, 0.0, -0.8)
+    alone, among = (
+        watched(sjmc(), [thing, *others], goal, velocity=turns, num=4)
+        for others in ([], [(1.0, -3.5, 0.2)])
+    )
+    assert (among.state, among.reason) == (alone.state, alone.reason)
+    assert among.state == BRAKING and among.command == alone.command == STILL
+
+
+def test_slower_for_a_thing_is_not_called_slower_for_a_person() -> None:
+    """Straight on beside a pillar that it turns to: the pillar alone sets the speed."""
+    pillar, aside = (0.5, -0.7, 0.3), (2.0, 3.0, 0.2)
+    turns = Velocity(0.5, 0.0, -0.8)
+    alone, among = (
+        watched(sjmc(), [pillar, *others], FAR, velocity=turns, num=4) for others in ([], [aside])
+    )
+    assert alone.state == among.state == DRIVING and alone.command == among.command
+    assert among.command.x < 0.6 * ROBOT.speed_m_s and among.reason == alone.reason == ""
+
+
+def test_around_a_thing_is_said_of_things_whoever_does_not_yield_elsewhere() -> None:
+    method, stands = sjmc(), (1.5, 0.1, 0.2)
+    near = watched(method, [stands], FAR)
+    assert near.reason == "around a person who does not yield"
+    hidden = watched(method, [(1.2, -0.1, 0.5)], FAR, num=1)  # before the same person
+    assert hidden.state == TURNING and hidden.reason == "around a thing"
+
+
+def test_who_creeps_on_without_a_course_says_that_it_drives() -> None:
+    """Between two walls that leave it no air it goes on slowly, as no other way is left."""
+    walls = [(x, y, 0.1) for x in np.arange(-1.0, 3.0, 0.15) for y in (-0.41, 0.41)]
+    goal = goal_at(6.0, 0.0)
+    decision = watched(sjmc(), walls, goal)
+    assert decision.command.x > 0.0 and decision.state == DRIVING
+    assert decision.reason == "slowly: no course is open"
 
 
 def test_beside_who_stands_it_slows_down() -> None:

@@ -133,20 +133,21 @@ class Sjmc:
         course, ahead = moment.goal.bearing, self._in_the_way(moment.goal.bearing, moment)
         beside = self._beside(course, moment)
         speed, seen = self._safe_speed(course, min(ahead.bound, beside), moment)
+        alone, _ = self._safe_speed(course, math.inf, self._moments.without_people(moment))
+        is_for_person = speed < _HELD_SHARE * alone
         if speed > _SLOW:
             if moment.free[0] == math.inf:
                 self._side = 0
-            is_slowed = speed < 0.9 * moment.fastest and len(moment.scene.people) > 0
-            is_held = speed < min(_HELD, _HELD_SHARE * beside)
+            is_held = is_for_person and speed < min(_HELD, _HELD_SHARE * beside)
             if is_held and self._patience.wait_for(ahead, moment.scene)[1]:
                 return None
-            reason = "slower for a person" if is_slowed else ""
+            reason = "slower for a person" if is_for_person else ""
             return Decision(self._command(course, speed), DRIVING, reason)
-        if not (moment.is_met or self._moments.is_clear(seen, moment)):
+        if not (moment.is_met or self._moments.keeps_off_people(seen, moment)):
             made = self._make_room(seen, moment)
             if made is not None:
                 return made
-        if len(moment.scene.people) == 0:
+        if not is_for_person:
             return None
         waited, is_out = self._patience.wait_for(ahead, moment.scene)
         if is_out:
@@ -188,8 +189,9 @@ class Sjmc:
                     return self._turned(course, moment)
                 if speed > _SLOW:
                     self._side = 0 if k == 0 else 1 if k % 2 == 1 else -1
-                    what = "a person who does not yield" if moment.is_judged.any() else "a thing"
-                    return Decision(self._command(course, speed), TURNING, f"around {what}")
+                    return Decision(
+                        self._command(course, speed), TURNING, self._moments.around(moment)
+                    )
         return None
 
     def _open_courses(self, moment: Moment) -> np.ndarray:
@@ -204,7 +206,7 @@ class Sjmc:
         speed, _ = self._safe_speed(moment.goal.bearing, min(_CREEP, ahead.bound), moment)
         reason = "the way is not seen" if moment.is_blind else "no course is open"
         if speed > _SLOW and not moment.is_blind:
-            return Decision(self._command(moment.goal.bearing, speed), BLOCKED, reason)
+            return Decision(self._command(moment.goal.bearing, speed), DRIVING, f"slowly: {reason}")
         is_still = moment.state.velocity.speed < _SLOW
         return Decision(STILL, BLOCKED if is_still else BRAKING, reason)
 

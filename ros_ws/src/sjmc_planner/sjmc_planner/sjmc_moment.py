@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -128,8 +128,31 @@ class MomentReader:
 
     def is_clear(self, seen: Foreseen, moment: Moment) -> bool:
         """Tell whether a look ahead keeps its distances, or at least what there is of them."""
+        return seen.thing_gap >= 0.0 and self.keeps_off_people(seen, moment)
+
+    def keeps_off_people(self, seen: Foreseen, moment: Moment) -> bool:
+        """Tell the same of people alone."""
         person = min(self._config.clearance_m, moment.now.people_gap - _KEEP_GAP)
-        return seen.thing_gap >= 0.0 and seen.people_gap >= person
+        return seen.people_gap >= person
+
+    def without_people(self, moment: Moment) -> Moment:
+        """Return the same with nobody there, to tell for whom or what the robot stops."""
+        if not len(moment.scene.people):
+            return moment
+        now = moment.state.velocity
+        near = self._foresight.within_reach(now, moment.fastest, moment.scene.things)
+        near, nobody = self._foresight.kept_off(near, self._robot.margin_m), moment.people[:0]
+        braked = self._foresight.look(now, 0.0, 0.0, 0.0, near, nobody)
+        return replace(moment, is_met=False, near=near, people=nobody, braked=braked)
+
+    def around(self, moment: Moment) -> str:
+        """Return whom or what a turning run goes around, in words."""
+        things = moment.scene.things
+        args = things, np.zeros(len(things)), self._box.front, self._half
+        is_person = moment.not_shut[0] < free_ways(moment.bearings[:1], *args)[0]
+        if moment.is_judged.any() and (is_person or moment.not_shut[0] >= self._config.look_m):
+            return "around a person who does not yield"
+        return "around a person" if is_person else "around a thing"
 
     def debug(self, moment: Moment, command: Velocity, who: int) -> Debug:
         """Return what was weighed, the course that a command takes and who counts."""
