@@ -169,11 +169,15 @@ def _sections(
             cells = [own[key] for key in SHOWN] + [ratios.get(key) for key in BESIDE]
             rows.append([method, *(_cell(value) for value in cells)])
         pictures = _pictures(args, scene, places[scene], outcomes)
-        title = f"{scene.replace('_', ' ')}: {values['runs_of_each']} runs"
+        nums = {own["runs"] for own in values["scenes"][scene]["methods"].values()}
+        title = f"{scene.replace('_', ' ')}: {' or '.join(map(str, sorted(nums)))} runs a method"
         sections.append(Section(title, [Table(header, rows), *pictures]))
     is_reacting = "sjmc" in args.methods and any(name in SCENES for name in places)
     sections.append(glossary())
-    return [_aims(values["scenes"]), *sections] if is_reacting else sections
+    aims = [_aims(values["scenes"])] if is_reacting else []
+    if "sjmc" in args.methods and any(places.values()):
+        aims.append(_recorded_aims(values["scenes"], [s for s, file in places.items() if file]))
+    return [*aims, *sections]
 
 
 def _aims(scenes: dict[str, Any]) -> Section:
@@ -190,6 +194,24 @@ def _aims(scenes: dict[str, Any]) -> Section:
             rows.append([scene.replace("_", " "), *cells])
     aims = [f"{text} (aim: {most:g})" for text, most in zip(_AIMS, _MOST, strict=True)]
     return Section("sjmc beside its aims", [Table(["scene", *aims], rows)])
+
+
+def _recorded_aims(scenes: dict[str, Any], names: list[str]) -> Section:
+    """Return whether `sjmc` caused no more contacts a run than the best other, by recording."""
+    rows = []
+    for scene in names:
+        shares = {
+            method: own["collisions_caused"] / own["runs"]
+            for method, own in scenes[scene]["methods"].items()
+            if own["runs"]
+        }
+        ours = shares.pop("sjmc", None)
+        best = min(shares, key=lambda method: shares[method], default=None)
+        if ours is not None and best is not None:
+            found = _judged(ours, shares[best])
+            rows.append([scene.replace("_", " "), found, f"{shares[best]:.2f} ({best})"])
+    header = ["recording", "contacts caused a run (aim: the best other's)", "best other"]
+    return Section("sjmc beside its aim among recorded people", [Table(header, rows)])
 
 
 def _judged(value: float | None, most: float) -> str:

@@ -83,6 +83,16 @@ def test_the_report_says_which_aims_are_met() -> None:
     assert table.rows[0][2] == "not measured"
 
 
+def test_of_a_recording_the_aim_is_the_best_others_contacts_a_run() -> None:
+    """2 in 2 runs of ours; others 2 in 1 run and none in 1: a sum would hide how many runs."""
+    scene = {"sjmc": figures([GOOD, BAD]), "vfh": figures([BAD]), "orca": figures([GOOD])}
+    (table,) = crowd._recorded_aims({"eth": {"methods": scene}}, ["eth"]).blocks
+    assert table.rows == [["eth", "1: not met", "0.00 (orca)"]]
+    del scene["orca"]
+    (table,) = crowd._recorded_aims({"eth": {"methods": scene}}, ["eth"]).blocks
+    assert table.rows == [["eth", "1: met", "2.00 (vfh)"]]
+
+
 def test_every_column_of_the_report_is_explained_and_its_key_is_in_the_summary() -> None:
     (table,) = glossary().blocks
     assert [row[0] for row in table.rows] == [*SHOWN.values(), *BESIDE.values()]
