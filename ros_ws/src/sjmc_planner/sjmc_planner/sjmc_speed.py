@@ -17,7 +17,7 @@ _STILL = 1e-6
 
 @numba.njit(cache=True, nogil=True)
 def avoid_time(way_out: float, speed_out: float) -> float:
-    """Return t_avoid, how long an obstacle takes to leave D (eq. 3.4); inf if it does not.
+    """Return t_avoid (above eq. 3.4), how long an obstacle takes to leave D; inf if it does not.
 
     Args:
         way_out: From where it is to the edge that it moves to (dl_avoid), m.
