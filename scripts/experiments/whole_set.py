@@ -110,7 +110,7 @@ def _end_children() -> None:
 
 def _run(item: Item, args: argparse.Namespace) -> Outcome:
     words = item.words(args.data, is_full=args.full)
-    words += ["--seed", str(args.seed)]
+    words += ["--seed", str(args.seed)] if args.seed else []  # 0: each experiment's own
     if item.kind == "spread":
         words += ["--jobs", str(args.jobs)]
         words += [] if args.cluster is None else ["--cluster", args.cluster]
