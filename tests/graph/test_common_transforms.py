@@ -135,14 +135,19 @@ def test_without_tf2_msgs_one_line_says_so_and_the_node_lives(start: Start) -> N
     assert node.stop() == 0 and node.text.count("tf2_msgs") == 1
 
 
-def test_another_source_of_the_owned_transform_is_named_and_left_alone(
-    start: Start, make_peer: Any
-) -> None:
+def owner_beside_amcl(start: Start, make_peer: Any) -> tuple[Any, Any, Any]:
+    """Return a node that sends map to odom, another one, and that one's publisher on /tf."""
     tf2_msgs = pytest.importorskip("tf2_msgs.msg")
     node = start(NODES, "owner")
     node.wait_for("sending")
     amcl = make_peer("amcl")
-    tf = amcl.publisher(tf2_msgs.TFMessage, "/tf", 10, to=node, num=2)
+    return node, amcl, amcl.publisher(tf2_msgs.TFMessage, "/tf", 10, to=node, num=2)
+
+
+def test_another_source_of_the_owned_transform_is_named_and_left_alone(
+    start: Start, make_peer: Any
+) -> None:
+    node, amcl, tf = owner_beside_amcl(start, make_peer)
     tf.publish(tf_of("map", "odom", 5 * S, 1.0))
     line = node.wait_for("also published by")
     assert "/amcl" in line and "'map' to 'odom'" in line
@@ -155,11 +160,7 @@ def test_another_source_of_the_owned_transform_is_named_and_left_alone(
 def test_another_source_that_falls_silent_is_gone_though_its_publisher_stays(
     start: Start, make_peer: Any
 ) -> None:
-    tf2_msgs = pytest.importorskip("tf2_msgs.msg")
-    node = start(NODES, "owner")
-    node.wait_for("sending")
-    amcl = make_peer("amcl")
-    tf = amcl.publisher(tf2_msgs.TFMessage, "/tf", 10, to=node, num=2)
+    node, amcl, tf = owner_beside_amcl(start, make_peer)
     for k in range(20):
         tf.publish(tf_of("map", "odom", 5 * S + k, 1.0))
         amcl.spin(0.2)
