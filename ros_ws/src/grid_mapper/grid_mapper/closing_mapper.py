@@ -25,8 +25,8 @@ from grid_mapper.kept_events import Kept, KeptReading, KeptScan, ReadingsToKeep
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.layers import LayeredMapper, SonarCounts
 from grid_mapper.layers_moment import Layers, LayersMoment
-from grid_mapper.localizer import ScanResult
 from grid_mapper.loop_session import GraphState, Rebuilt, Restart, map_events
+from grid_mapper.match_verdict import ScanResult
 from grid_mapper.motion import rotated
 from grid_mapper.opaque_cells import APART
 from grid_mapper.placed_readings import PlacedReadings

@@ -12,7 +12,8 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig, KeyScanConfig
 from grid_mapper.key_frames import KeyFrame, thinned
 from grid_mapper.key_scans import KeyScans
-from grid_mapper.localizer import ScanLocalizer, ScanResult
+from grid_mapper.localizer import ScanLocalizer
+from grid_mapper.match_verdict import ScanResult
 from grid_mapper.motion import rotated
 from grid_mapper.recent_scans import RecentScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of

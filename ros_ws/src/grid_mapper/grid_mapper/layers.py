@@ -20,8 +20,8 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.fusion import Fusion, MapSource, make_fusion
 from grid_mapper.layers_moment import Layers, LayersMoment
-from grid_mapper.localizer import ScanResult
 from grid_mapper.mapper import GridMapper
+from grid_mapper.match_verdict import ScanResult
 from grid_mapper.placed_readings import PlacedReadings
 from grid_mapper.sonar_grid import SonarGrid
 from grid_mapper.sonar_keys import SonarKeys

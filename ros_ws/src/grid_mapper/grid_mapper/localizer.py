@@ -14,8 +14,9 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.key_scans import KeyScans
+from grid_mapper.match_verdict import ScanResult, blind, is_found, objection, undetermined
 from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
-from grid_mapper.scan_matcher import MatchResult, ScanMatcher, offset
+from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
 
 # How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
@@ -23,29 +24,6 @@ VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
 MIN_VARIANCE = 1e-8
 RESET_SLACK_S = 0.5  # logs stamp scans that badly
 LOST = "where in the map the robot is is not known"
-
-
-@dataclass(frozen=True)
-class ScanResult:
-    """What became of a scan.
-
-    Attributes:
-        T_map_base: Pose of the robot at the scan's stamp.
-        cov: Of (x, y, yaw) in map axes, shape (3, 3), SI.
-        is_trusted: False where the match was refused and the pose is the prediction.
-        reason: Why it was refused; "" if trusted.
-        overlap: Share of the scan's points that found the map, 0..1; 1 for the first scan.
-        note: What a trusted match does not say, such as the way along a corridor; "" if nothing.
-        information: Of the match alone, (x, y, yaw) in map axes, shape (3, 3); None without one.
-    """
-
-    T_map_base: SE2
-    cov: np.ndarray
-    is_trusted: bool
-    reason: str
-    overlap: float
-    note: str = ""
-    information: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -222,11 +200,13 @@ class ScanLocalizer:
         T_pred, near = last.T_map_base @ moved, last.cov_near + cov_moved
         match = self._matcher.match(points, T_pred, near)
         cov = last.cov + cov_moved
-        reason = self._objection(match, len(points), T_pred, near) or self._blind(match, cov)
+        reason = objection(match, len(points), T_pred, near, self.config)
+        if last.T_odom_base is None:
+            reason = reason or blind(match, cov, self.config)
         if reason:
             return ScanResult(T_pred, cov, False, reason, match.overlap), near
         cov = np.linalg.inv(np.linalg.inv(cov) + match.information)
-        note = self._undetermined(match)
+        note = undetermined(match, self.config)
         pose, information = match.T_map_base, match.information
         return ScanResult(pose, cov, True, "", match.overlap, note, information), near
 
@@ -236,58 +216,12 @@ class ScanLocalizer:
         self._guesses = [guess @ moved for guess in self._guesses]
         fits = [self._matcher.match(points, guess, cov) for guess in self._guesses]
         best = max(fits, key=lambda fit: fit.overlap * fit.agreement)
-        if self._is_found(best):
+        if is_found(best, self.config):
             self._guesses = []
             cov = np.linalg.inv(np.linalg.inv(cov) + best.information)
             return ScanResult(best.T_map_base, cov, True, "", best.overlap, "", best.information)
         reason = f"time or odometry jumped, and {100 * best.overlap:.0f} % of the scan fits the map"
         return ScanResult(self._guesses[0], cov, False, reason, best.overlap)
-
-    def _is_found(self, match: MatchResult) -> bool:
-        config = self.config
-        return (
-            match.num_pairs >= config.min_pairs
-            and match.overlap >= config.lost_overlap
-            and match.agreement >= config.lost_agreement
-        )
-
-    def _objection(self, match: MatchResult, num_points: int, T_pred: SE2, near: np.ndarray) -> str:
-        """Return why a match is not to be believed; "" if it is."""
-        config, off = self.config, offset(T_pred, match.T_map_base)
-        sigmas = float(np.sqrt(off @ np.linalg.solve(near, off)))
-        is_far = near[0, 0] + near[1, 1] > 2.0 * config.vague_sigma_m**2
-        is_vague = is_far or near[2, 2] > config.vague_sigma_rad**2
-        if num_points < config.min_pairs:
-            return f"the scan has {num_points} points, fewer than {config.min_pairs}"
-        if match.num_pairs < config.min_pairs or match.overlap < config.min_overlap:
-            return f"{match.num_pairs} of the scan's {num_points} points are near the map"
-        if match.agreement < config.min_agreement:
-            return (
-                f"points near the map do not lie on it: agreement {match.agreement:.2f}, "
-                f"{config.min_agreement:.2f} is asked"
-            )
-        if match.overlap < config.sure_overlap and sigmas > config.max_correction_sigmas:
-            return f"a match of few points is {sigmas:.1f} deviations from the prediction"
-        if is_vague and not self._is_found(match):
-            return f"lost, and {100 * match.overlap:.0f} % of the scan fits the map"
-        return ""
-
-    def _blind(self, match: MatchResult, cov: np.ndarray) -> str:
-        """Return why a match is refused that leaves a direction nobody has measured for long."""
-        note = self._undetermined(match)
-        if not note or (self._last is not None and self._last.T_odom_base is not None):
-            return ""
-        _, bearing = match.weak_direction
-        u = np.array([np.cos(bearing), np.sin(bearing)])
-        sigma = float(np.sqrt(u @ cov[:2, :2] @ u))
-        return note if sigma > self.config.vague_sigma_m else ""
-
-    def _undetermined(self, match: MatchResult) -> str:
-        """Return the direction a match says nothing of, in words; "" if it says where."""
-        sigma, bearing = match.weak_direction
-        if sigma <= self.config.undetermined_sigma_m:
-            return ""
-        return f"the scan does not say where along {np.rad2deg(bearing):.0f} deg the robot is"
 
     def _remember(
         self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, near: np.ndarray,

@@ -16,8 +16,8 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.corrections import Corrections
 from grid_mapper.front_end import FrontEnd, key_frame
-from grid_mapper.localizer import ScanResult
 from grid_mapper.loop_closer import LoopCloser
+from grid_mapper.match_verdict import ScanResult
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,10 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.label_grid import LabelGrid
-from grid_mapper.localizer import ScanLocalizer, ScanResult
+from grid_mapper.localizer import ScanLocalizer
 from grid_mapper.log_odds import LogOddsGrid
 from grid_mapper.map_surfaces import surfaces_of
+from grid_mapper.match_verdict import ScanResult
 from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.start_map import StartMap, known_cells
 
