@@ -11,7 +11,9 @@ import tempfile
 from pathlib import Path
 
 from _environment import ROOT, clean_child_environment
-from _environment_build import SetupError, digest, read_stamp, step, write_stamp
+from _environment_build import SetupError
+from _environment_stamp import digest, read_stamp, write_stamp
+from _environment_steps import step
 from _package_links import find_packages
 from _pip_progress import pip_install
 from _python_choice import choose_python

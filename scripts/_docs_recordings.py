@@ -14,12 +14,8 @@ from typing import Any
 import numpy as np
 
 from _docs_pictures import write_small
+from _docs_trajectories import odometry, published_poses
 from floornav_common.reporting import say, write_atomic
-from floornav_common.se2 import SE2
-from grid_mapper.recordings import ScanEvent, open_recording
-from grid_mapper.recordings.carmen_lines import parse_robotlaser
-from grid_mapper.recordings.ordering import seconds_to_ns
-from grid_mapper.recordings.text_lines import read_lines
 from grid_mapper.relations import load_relations, relation_errors
 from grid_mapper.trajectory_metrics import Trajectory, load_tum, path_length, trajectory_errors
 
@@ -176,12 +172,11 @@ def with_table(text: str, name: str, head: str, rows: dict[str, str]) -> str:
 
 
 def _run_row(shown: Shown, data: Path, s: dict[str, Any]) -> str:
-    odometry = (
-        "-" if "--no-odom" in shown.options else f"{path_length(_odometry(data / shown.path)):.1f}"
-    )
+    has_odometry = "--no-odom" not in shown.options
+    way = f"{path_length(odometry(data / shown.path)):.1f}" if has_odometry else "-"
     cells = [
         shown.name, s["scans"], s["scans_used"], s["scans_untrusted"], f"{s['path_m']:.1f}",
-        odometry, f"{s['ms_median']:.2f}", f"{s['ms_p99']:.1f}", f"{s['peak_mb']:.0f}",
+        way, f"{s['ms_median']:.2f}", f"{s['ms_p99']:.1f}", f"{s['peak_mb']:.0f}",
     ]  # fmt: skip
     return _row(cells)
 
@@ -194,14 +189,14 @@ def _loop_row(shown: Shown, s: dict[str, Any]) -> str:
 
 def _relation_rows(shown: Shown, data: Path, out: Path, open_loops: Path) -> dict[str, str]:
     """Return the rows of a recording: ours with and without loops, odometry, published poses."""
-    published = _published_poses(data / shown.path)
+    published = published_poses(data / shown.path)
     trajectories: dict[str, Trajectory] = {
         "grid_mapper": load_tum(out / "trajectory.tum"),
         "without closing loops": load_tum(open_loops / "trajectory.tum"),
     }
     if "--no-odom" not in shown.options:
         name = "chain of edges" if "posegraph" in shown.path else "raw odometry"
-        trajectories[name] = _odometry(data / shown.path)
+        trajectories[name] = odometry(data / shown.path)
     trajectories["published, corrected"] = published
     rows = {}
     for poses, trajectory in trajectories.items():
@@ -225,28 +220,6 @@ def _relation_cells(shown: Shown, data: Path, trajectory: Trajectory) -> list[st
         for measure in (np.mean, np.median, np.std)
     ]
     return [used, str(num_long), *statistics]
-
-
-def _odometry(path: Path) -> list[tuple[int, SE2]]:
-    events = (e for e in open_recording(path).events() if isinstance(e, ScanEvent))
-    return [(e.stamp_ns, e.T_odom_base) for e in events if e.T_odom_base is not None]
-
-
-def _published_poses(path: Path) -> list[tuple[int, SE2]]:
-    """Return the corrected poses: the first of a FLASER line, or of each VERTEX2 with a scan."""
-    poses = []
-    vertex = SE2.identity()
-    for line in read_lines(path, say):
-        words = line.split()
-        kind = words[0] if words else ""
-        if kind == "FLASER":
-            after = words[2 + int(words[1]) :]
-            poses.append((seconds_to_ns(after[6]), SE2(*(float(w) for w in after[:3]))))
-        elif kind == "VERTEX2":
-            vertex = SE2(*(float(w) for w in words[2:5]))
-        elif kind == "ROBOTLASER1":
-            poses.append((parse_robotlaser(words).stamp_ns, vertex))
-    return poses
 
 
 def _row(cells: Sequence[object]) -> str:

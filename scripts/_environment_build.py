@@ -10,24 +10,22 @@ Standard library only, and syntax that Python 3.9 reads.
 """
 
 import fcntl
-import hashlib
-import json
 import os
 import shutil
 import subprocess
-import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 from _environment import ROOT, clean_child_environment
+from _environment_stamp import digest, read_stamp, write_stamp
+from _environment_steps import say, step
 from _package_links import link_packages, linked_checkout, links_key
 from _pip_progress import pip_install
 from _python_choice import choose_python, probe
 from _tf2_msgs import SOURCE_DIR, BuildToolMissingError, build_tf2_msgs, check_compiler, find_cmake
 
-STAMP = "floornav-environment.json"
 PIP_LOCK = ROOT / "requirements" / "pip-home.txt"
 CMAKE_LOCK = ROOT / "requirements" / "pip-cmake.txt"
 ROBOT_LOCK = ROOT / "requirements-robot.txt"
@@ -235,56 +233,3 @@ def _only_one(prefix):
             say("another command is making the environment; waiting for it")
             fcntl.flock(lock, fcntl.LOCK_EX)
         yield
-
-
-@contextmanager
-def step(name):
-    """Say what is done and how long it took; yields a function that shows progress in between."""
-    start = time.monotonic()
-    is_screen = sys.stderr.isatty()
-    shown = [start]
-
-    def report(text):
-        now = time.monotonic()
-        if is_screen:
-            sys.stderr.write(f"\r\033[K  {name}: {text} ({now - start:.0f} s)")
-            sys.stderr.flush()
-        elif now - shown[0] > 20:
-            shown[0] = now
-            say(f"  {name}: {text} ({now - start:.0f} s)")
-
-    report("...")
-    try:
-        yield report
-    finally:
-        if is_screen:
-            sys.stderr.write("\r\033[K")
-    say(f"  {name}: {time.monotonic() - start:.0f} s")
-
-
-def say(text):
-    """Tell the user; on stderr, so that results on stdout stay clean."""
-    print(f"floornav: {text}", file=sys.stderr, flush=True)
-
-
-def read_stamp(prefix):
-    """Return what the environment says of itself; empty if it says nothing readable."""
-    try:
-        return json.loads((Path(prefix) / STAMP).read_text())
-    except (OSError, ValueError):
-        return {}
-
-
-def write_stamp(prefix, stamp):
-    """Write the stamp whole or not at all."""
-    new = Path(prefix) / f"{STAMP}.new"
-    new.write_text(json.dumps(stamp, indent=1) + "\n")
-    new.replace(Path(prefix) / STAMP)
-
-
-def digest(*parts):
-    """Hash byte strings."""
-    result = hashlib.sha256()
-    for part in parts:
-        result.update(len(part).to_bytes(8, "big") + part)
-    return result.hexdigest()

@@ -21,6 +21,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from experiments.floor_image_boxes import all_boxes, middle_of, standing_boxes
 from floor_perception.color_model import FloorColor, learn
 from floor_perception.color_table import classify, color_table
 from floor_perception.config import ColorConfig, TemplateConfig
@@ -28,7 +29,6 @@ from floor_perception.free_space import floor_areas, ratios_and_ranges
 from floor_perception.polar_template import PolarTemplate, row_spans
 from floornav_common.reporting import Figures, Picture, Section, Table, UserError
 
-CLASSES = (1, 2)  # obstacle, human
 MAX_SIDE_PX = 800
 BRIDGE_PX, SPECK_PX = 7, 5
 NUM_COLUMNS, CELL_ROWS = 38, 6
@@ -132,7 +132,7 @@ def judge(path: Path, args: argparse.Namespace) -> Judged:
     region &= image.sum(axis=2) > BLACK
     color = learn(image[region][:, ::-1], ColorConfig(), ColorConfig().ring_share)
     mask = floor_mask(image, color, region)
-    boxes = boxes_of(path.with_suffix(".txt"), width, height, args.horizon)
+    boxes = standing_boxes(path.with_suffix(".txt"), width, height, args.horizon)
     field = region.copy()
     for box in all_boxes(path.with_suffix(".txt"), width, height):
         field[box] = False
@@ -158,42 +158,6 @@ def floor_mask(image: np.ndarray, color: FloorColor, region: np.ndarray) -> np.n
     inside = np.bincount(labels[region], minlength=labels.max() + 1)
     inside[0] = 0
     return np.where(inside[labels] > 0.02 * region.sum(), 255, 0).astype(np.uint8)
-
-
-def all_boxes(path: Path, width: int, height: int, classes: tuple[int, ...] = ()) -> list[Any]:
-    """Return boxes as rows and columns; of some classes, or of all."""
-    if not path.exists():
-        return []
-    boxes = []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        kind, x, y, w, h = (float(v) for v in line.split())
-        if classes and int(kind) not in classes:
-            continue
-        ends = [
-            (y - h / 2) * height,
-            (y + h / 2) * height,
-            (x - w / 2) * width,
-            (x + w / 2) * width,
-        ]
-        a, b, c, d = (round(v) for v in np.clip(ends, 0, [height, height, width, width]))
-        boxes.append((slice(a, b), slice(c, d)))
-    return boxes
-
-
-def boxes_of(path: Path, width: int, height: int, horizon: float) -> list[Any]:
-    """Return the boxes of obstacles and humans that stand on the floor."""
-    boxes = all_boxes(path, width, height, CLASSES)
-    return [box for box in boxes if box[0].stop > horizon * height]
-
-
-def middle_of(box: tuple[slice, slice]) -> tuple[slice, slice]:
-    """Return the middle of a box: 0.6 of its height, a third of its width."""
-    rows, columns = box
-    tall, wide = rows.stop - rows.start, columns.stop - columns.start
-    return (
-        slice(rows.start + round(0.2 * tall), rows.stop - round(0.2 * tall)),
-        slice(columns.start + wide // 3, columns.stop - wide // 3),
-    )
 
 
 def column_template(height: int, width: int, bottom: int) -> PolarTemplate:

@@ -16,6 +16,7 @@ import _environment_build as build
 import _package_links as links
 import _python_choice as choice
 import _tf2_msgs as tf2
+from _environment_stamp import STAMP, read_stamp, write_stamp
 
 SCRIPTS = Path(_environment.__file__).parent
 BARE = {"PATH": os.environ["PATH"], "HOME": "/nonexistent"}
@@ -243,7 +244,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> build.Home:
     (result.prefix / "bin").mkdir(parents=True)
     (result.prefix / "bin" / "python").symlink_to(sys.executable)
     stamp = {"libraries": build.libraries_key(result), "tf2_msgs": build.tf2_key(result, {})}
-    build.write_stamp(result.prefix, {**stamp, "packages": links.links_key(), "python": "3.11.9"})
+    write_stamp(result.prefix, {**stamp, "packages": links.links_key(), "python": "3.11.9"})
     return result
 
 
@@ -258,14 +259,14 @@ def test_changed_lock_makes_it_stale(home: build.Home) -> None:
 
 @pytest.mark.parametrize("layer", ["libraries", "tf2_msgs", "packages"])
 def test_interrupted_set_up_is_not_taken_for_a_good_one(home: build.Home, layer: str) -> None:
-    stamp = build.read_stamp(home.prefix)
+    stamp = read_stamp(home.prefix)
     del stamp[layer]
-    build.write_stamp(home.prefix, stamp)
+    write_stamp(home.prefix, stamp)
     assert not build.is_current(home)
 
 
 def test_half_a_stamp_counts_as_none(home: build.Home) -> None:
-    path = home.prefix / build.STAMP
+    path = home.prefix / STAMP
     path.write_text(path.read_text()[:20])
     assert not build.is_current(home)
 
@@ -288,7 +289,7 @@ def test_another_python_asked_for_makes_it_stale(
 def test_tf2_msgs_is_tried_again_when_a_compiler_has_come(
     home: build.Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    build.write_stamp(home.prefix, {**build.read_stamp(home.prefix), "tf2_msgs": "missing"})
+    write_stamp(home.prefix, {**read_stamp(home.prefix), "tf2_msgs": "missing"})
     monkeypatch.setattr(build, "check_compiler", lambda: None)
     assert not build.is_current(home)
 
@@ -312,14 +313,14 @@ def test_an_environment_taken_over_from_another_checkout_is_warned_of(
     ours = pth.read_text()
     theirs = tmp_path / "other" / "ros_ws" / "src" / "grid_mapper"
     pth.write_text(f"{theirs}\n")
-    build.write_stamp(home.prefix, {**build.read_stamp(home.prefix), "packages": "theirs"})
+    write_stamp(home.prefix, {**read_stamp(home.prefix), "packages": "theirs"})
     assert links.linked_checkout(home.prefix) is None  # it is not there any more
     theirs.mkdir(parents=True)
     build.ready_home()
     said = capsys.readouterr().err
     assert f"belonged to {tmp_path / 'other'}; " in said and str(build.ROOT) in said
     assert pth.read_text() == ours and links.linked_checkout(home.prefix) is None
-    assert build.read_stamp(home.prefix)["checkout"] == str(build.ROOT)
+    assert read_stamp(home.prefix)["checkout"] == str(build.ROOT)
     build.ready_home()
     assert capsys.readouterr().err == ""
 
@@ -340,16 +341,16 @@ def test_without_compiler_the_rest_is_made_and_said_in_one_line(
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
-    stamp = build.read_stamp(home.prefix)
+    stamp = read_stamp(home.prefix)
     del stamp["tf2_msgs"]
-    build.write_stamp(home.prefix, stamp)
+    write_stamp(home.prefix, stamp)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(build, "home_prefix", lambda is_system: home.prefix)
     assert build.ready_home() == home
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert "tf2_msgs not built, no C compiler found" in said
-    assert build.read_stamp(home.prefix)["tf2_msgs"] == "missing"
+    assert read_stamp(home.prefix)["tf2_msgs"] == "missing"
     assert build.is_current(home)
 
 
