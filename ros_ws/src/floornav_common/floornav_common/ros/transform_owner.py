@@ -24,12 +24,17 @@ _LEARN_NAMES_NS = 2_000_000_000  # the graph hears names a moment after the firs
 _SILENT_NS = 10_000_000_000  # who sends nothing for so long is gone, whatever its name was
 
 
+def owned_part(parent: str, child: str) -> str:
+    """Return the part of the diagnostics that says whether a transform has another source."""
+    return f"transform {parent} to {child}"
+
+
 class TransformOwner:
     """Sends `parent -> child` unless somebody else does; part `transform <child>` on diagnostics.
 
     It listens for a second before the first send. Once another source was heard nothing is sent
-    until one of those who may be it has left, or nothing came for ten seconds, and then again after
-    a second of listening.
+    until nothing came for ten seconds, or for one if one of those who may be it has left, and then
+    again after a second of listening.
 
     Args:
         node: The node.
@@ -48,7 +53,7 @@ class TransformOwner:
         self._has_said = False
         node.transforms.on_sample(self._on_sample)
         node.time.on_look(self._look)
-        node.diagnostics.add(f"transform {parent} to {child}", self.status)
+        node.diagnostics.add(owned_part(parent, child), self.status)
 
     @property
     def other_publishers(self) -> list[str]:
@@ -101,8 +106,9 @@ class TransformOwner:
             self._has_said = True
             self._node.get_logger().error(self.status().message)
         has_left = not (self._others and self._others <= there)
-        is_silent = steady_ns - self._foreign_at_ns > _SILENT_NS
-        if not is_learning and (has_left or is_silent):
+        # What one who left sent last may come after its name is gone.
+        limit_ns = _LISTEN_FIRST_NS if has_left else _SILENT_NS
+        if not is_learning and steady_ns - self._foreign_at_ns > limit_ns:
             self._others, self._listening_since_ns = None, steady_ns
 
     def _publishers(self) -> list[str]:

@@ -2,8 +2,8 @@
 
 In: `scan` (LaserScan; remap it to `floor/free_space` for a floor camera), `odom` (Odometry: its
 twist), `path` (Path), `goal_pose` (PoseStamped) or the action `follow_path` (nav2_msgs/FollowPath),
-TF goal frame->base_link->sensors. Where they are, `map/glass` (OccupancyGrid) and `sonar` (Range;
-`known.sonar_topics`): glass, which a laser does not see.
+TF goal frame->base_link->sensors, `/diagnostics` (of localizers: whether another sends map->odom).
+Where they are, `map/glass` (OccupancyGrid) and `sonar` (Range; `known.sonar_topics`): glass.
 Out: `cmd_vel` (Twist; TwistStamped with enable_stamped_cmd_vel), `planner/state`
 (DiagnosticStatus), `planner/markers` (MarkerArray).
 Services: `~/enable` (SetBool: false stops the robot until true).
