@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from experiments.faults_graph import FaultGraph, GraphError
+from experiments.faults_graph import EXCEPTION, FaultGraph, GraphError
 from experiments.faults_judge import BASE, Verdict, between, judge
 from experiments.faults_result import Row, Trace
 
@@ -15,6 +15,7 @@ _STEADY_TURN, _NEAR_POSE_M = 0.25, 0.5
 _ATTEMPTS = 4
 _SHOWN_NS = 1_000_000_000
 _RECOVERY_S, _UP_S = 60.0, 90.0
+_UNANSWERED = "cmd_vel does not answer: going on without it"  # sim_bridge's words
 
 Act = Callable[[FaultGraph], None]
 
@@ -77,17 +78,22 @@ class _Before:
 
 
 def run_fault(graph: FaultGraph, fault: Fault) -> Row:
-    """Run a fault; anew where the machine stood still meanwhile, which stops the robot too."""
-    number = 0
+    """Run a fault; anew where the machine was too busy for it. A touch is never excused so."""
+    number, why, touches = 0, "", graph.watch.record.touches
     while True:
         number += 1
-        num_stops = graph.watch.num_clock_stops
+        num_stops, num_touches = graph.watch.num_clock_stops, len(touches)
         row = _run_once(graph, fault)
-        is_disturbed = graph.watch.num_clock_stops != num_stops and not fault.stops_clock
-        if not is_disturbed or not row.recovered or number == _ATTEMPTS:
+        if graph.watch.num_clock_stops != num_stops and not fault.stops_clock:
+            why = "the machine stood still for 2 s"
+        elif not row.safe and graph.notes["unanswered"]:
+            why = "time went on for want of the planner's commands"
+        else:
+            break
+        if not row.recovered or number == _ATTEMPTS or len(touches) > num_touches:
             break
     if number > 1:
-        row.seen += f"; run {number} times, as the machine stood still for 2 s"
+        row.seen += f"; run {number} times, as {why}"
     return row
 
 
@@ -98,7 +104,9 @@ def _run_once(graph: FaultGraph, fault: Fault) -> Row:
     graph.notes["struck_ns"] = graph.relay.now_ns
     fault.strike(graph)
     struck_ns = graph.notes["struck_ns"]  # it may have had to get ready first
+    num_unanswered = graph.count_logged(_UNANSWERED)
     _hold(graph, fault)
+    graph.notes["unanswered"] = graph.count_logged(_UNANSWERED) - num_unanswered
     problem, end_ns, note = fault.check(graph), graph.relay.now_ns, fault.note(graph)
     due_ns = _due(graph, fault, struck_ns)
     record = graph.watch.record
@@ -157,7 +165,7 @@ def _room(graph: FaultGraph) -> float:
 def _before(graph: FaultGraph) -> _Before:
     watch = graph.watch
     return _Before(
-        watch.known_cells, watch.num_goals_again, graph.traces(),
+        watch.known_cells, watch.num_goals_again, graph.count_logged(EXCEPTION),
         watch.counts.get("pose", 0), _num_scans(graph),
     )  # fmt: skip
 
@@ -193,7 +201,7 @@ def _aftermath(graph: FaultGraph, before: _Before, end_ns: int) -> str:
     """Return what the fault left: a touch on the way out of it, or an unhandled exception."""
     if any(ns > end_ns for ns in graph.watch.record.touches):
         return "the robot touched something after it"
-    num = graph.traces() - before.traces
+    num = graph.count_logged(EXCEPTION) - before.traces
     return f"{num} unhandled exceptions" if num else ""
 
 

@@ -28,6 +28,7 @@ from floornav_common.ros.main import make_executor
 from sim_bridge.robot_model import RobotModel
 
 SIMULATOR = "sim_bridge"
+EXCEPTION = "Traceback"  # what logs hold where one was not handled
 _KINDS = {
     "/clock": Clock, "/tf": TFMessage, "/tf_static": TFMessage, "odom": Odometry,
     "scan": LaserScan, "sonar": Range, "omni/image_raw": Image,
@@ -192,10 +193,10 @@ class FaultGraph:
         finally:
             self.watch.destroy_client(client)
 
-    def traces(self) -> int:
-        """Return how many unhandled exceptions the logs hold."""
+    def count_logged(self, words: str) -> int:
+        """Return how often the logs of all processes hold some words."""
         logs = (self.out / "logs").glob("*.log")
-        return sum(log.read_text(errors="replace").count("Traceback") for log in logs)
+        return sum(log.read_text(errors="replace").count(words) for log in logs)
 
     def _check(self) -> None:
         for name in self._starts:

@@ -29,6 +29,8 @@ _TIMES, _FOUND_S = 3, 10.0
 _INTRUDER, _INTRUDER_PERIOD_S = "intruder", 0.05
 _DRIVER, _LOCALIZER = "other_driver", "other_localizer"
 _AWAY_M = 1.5
+_NOTICED_S = 0.5
+"""Time for a node's first messages to be heard, and for two of them."""
 
 
 def process_faults() -> list[Fault]:
@@ -85,8 +87,10 @@ def company_faults() -> list[Fault]:
             check=_is_named(_DRIVER, "cmd_vel"),
         ),
         Fault(
-            name="second-map-odom", what="another node sends map to odom, 1.5 m beside", kind=OTHER,
-            expected="grid_mapper sends none any more, and an ERROR that names the other",
+            name="second-map-odom", what="another node sends map to odom, 1.5 m beside", kind=HALT,
+            expected="zero within 0.5 s: the pose jumps to and fro; grid_mapper sends none any "
+            "more, and an ERROR that names the other; goes on when that one is gone",
+            limit_s=_NOTICED_S,
             strike=_intrude(_LOCALIZER, _send_transforms), mend=_leave, hold_s=4.0,
             check=_is_named(_LOCALIZER, "transform map to odom"),
         ),

@@ -18,7 +18,7 @@ import numpy as np
 from _day_load import resident_mb
 from _day_nodes import BUILDING, STEREO_NODES, node_command, node_names, write_settings
 from _demo_domain import join_domain
-from experiments.faults_graph import FaultGraph, GraphError
+from experiments.faults_graph import EXCEPTION, FaultGraph, GraphError
 from experiments.faults_setups import Setup
 from experiments.goal_drives import GOAL_LIMIT_S
 from experiments.stereo_world_map import map_of_world
@@ -63,7 +63,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         values["goals_reached"] = graph.watch.number - graph.watch.num_left
         values["goals_left"] = graph.watch.num_left
         values["goals_sent_again"] = graph.watch.num_goals_again
-    values["exceptions"] = graph.traces()
+    values["exceptions"] = graph.count_logged(EXCEPTION)
     values["rss_growth_of"] = {name: growth_mb(looks) for name, looks in memory.items()}
     values["rss_growth_mb"] = sum(values["rss_growth_of"].values())
     values["problem"] = problem or None

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
 pytest.importorskip("rclpy", reason="no ROS: there is no graph")
 pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 import evaluate  # noqa: E402
-from experiments import faults  # noqa: E402
+from experiments import faults, faults_case  # noqa: E402
+from experiments.faults_judge import DriveRecord  # noqa: E402
 from experiments.faults_page import faults_page  # noqa: E402
 from experiments.faults_result import Row  # noqa: E402
 
@@ -64,3 +66,40 @@ def test_the_summary_has_the_keys_that_were_agreed_on() -> None:
     assert (values["passed"], values["total"]) == (1, 2)
     first = json.loads(json.dumps(values["faults"]))[0]
     assert {"name", "safe", "recovered", "stop_ms"} <= set(first) and "trace" not in first
+
+
+def run_on(monkeypatch, attempts: list[tuple[bool, int, int, int]]) -> Row:
+    """Return the row of a fault whose attempts end (safe, clock stops, unanswered, touches)."""
+    watch = SimpleNamespace(num_clock_stops=0, record=DriveRecord())
+    graph, left = SimpleNamespace(watch=watch, notes={}), list(attempts)
+
+    def run_once(_graph: object, _fault: object) -> Row:
+        safe, stops, graph.notes["unanswered"], touches = left.pop(0)
+        watch.num_clock_stops += stops
+        watch.record.touches.extend([1] * touches)
+        return row("kill", safe=safe)
+
+    monkeypatch.setattr(faults_case, "_run_once", run_once)
+    fault = next(f for f in faults.all_faults()["field"] if f.name == "image-silent")
+    return faults_case.run_fault(graph, fault)
+
+
+def test_a_fault_is_run_anew_where_time_did_not_wait_for_the_planner(monkeypatch) -> None:
+    found = run_on(monkeypatch, [(False, 0, 3, 0), (False, 1, 0, 0), (True, 0, 0, 0)])
+    assert found.passed and "run 3 times, as the machine stood still for 2 s" in found.seen
+    found = run_on(monkeypatch, [(False, 0, 3, 0), (True, 0, 0, 0)])
+    assert found.passed and "run 2 times, as time went on" in found.seen
+
+
+def test_what_passed_though_time_did_not_wait_stays_as_it_is(monkeypatch) -> None:
+    assert run_on(monkeypatch, [(True, 0, 3, 0)]).seen == "seen"
+
+
+def test_neither_a_touch_nor_a_failure_on_a_quiet_machine_is_excused(monkeypatch) -> None:
+    assert not run_on(monkeypatch, [(False, 0, 3, 1)]).passed
+    assert not run_on(monkeypatch, [(False, 0, 0, 0)]).passed
+
+
+def test_a_machine_that_is_always_busy_ends_in_a_failure(monkeypatch) -> None:
+    found = run_on(monkeypatch, [(False, 0, 3, 0)] * 4)
+    assert not found.passed and "run 4 times" in found.seen
