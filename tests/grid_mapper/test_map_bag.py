@@ -45,10 +45,11 @@ def room_ranges(x: float) -> np.ndarray:
     return np.minimum(np.abs(to_x), to_y)
 
 
-def room_bag(path, num_scans=20, storage="mcap", sonar=None):
+def room_bag(path, num_scans=20, storage="mcap", sonar=None, begin=0.0):
     """Write a drive of 0.05 m a scan through the room, with odometry that is right.
 
     With `sonar` a sonar to the left hears a pane at that distance, which the laser does not see.
+    The drive begins `begin` m ahead, so that no scan is one of another drive.
     """
     step_ns = NS // 10
     messages = [
@@ -59,7 +60,7 @@ def room_bag(path, num_scans=20, storage="mcap", sonar=None):
     messages += [] if sonar is None else [("/tf_static", START_NS, left)]
     for i in range(num_scans):
         stamp_ns, x = START_NS + i * step_ns, 0.05 * i
-        scan = scan_message(stamp_ns, room_ranges(x))
+        scan = scan_message(stamp_ns, room_ranges(begin + x))
         scan.angle_min, scan.angle_increment = -np.pi, 2 * np.pi / NUM_ROOM_BEAMS
         odom = tf_message(transform(stamp_ns, "odom", "base_link", x=x))
         messages += [("/scan", stamp_ns + 1, scan), ("/tf", stamp_ns + 2, odom)]
@@ -285,6 +286,51 @@ def test_a_session_that_is_none_is_one_line_and_leaves_nothing(tmp_path, capsys)
     error = capsys.readouterr().err
     assert "other is no session of map_bag, or is cut off" in error and error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_another_recording_of_the_same_time_goes_on_with_a_session(tmp_path, capsys):
+    first, second = room_bag(tmp_path / "a", 12), room_bag(tmp_path / "b", 9, begin=0.1)
+    session = tmp_path / "room.session"
+    assert run(first, "--out", tmp_path / "one", "--save-session", session, "--quiet") == 0
+    assert run(second, "--out", tmp_path / "two", "--session", session, "--quiet") == 0
+    stamps = [stamp_ns for stamp_ns, _ in load_tum(tmp_path / "two" / "trajectory.tum")]
+    assert len(stamps) == 21 and stamps[12] == stamps[0]
+    summary = summary_of(tmp_path / "two")
+    assert [summary[f"scans{k}"] for k in ("", "_used", "_untrusted")] == [21, 21, 0]
+
+
+def test_sessions_that_cannot_be_are_one_line_and_leave_nothing(tmp_path, capsys):
+    first, second = room_bag(tmp_path / "a", 6), room_bag(tmp_path / "b", 6, begin=0.1)
+    one, two, out = tmp_path / "one.session", tmp_path / "two.session", tmp_path / "out"
+    assert run(first, "--out", tmp_path / "x", "--save-session", one, "--quiet") == 0
+    words = ("--session", one, "--save-session", two, "--quiet")
+    assert run(second, "--out", tmp_path / "y", *words) == 0
+    sonars = tmp_path / "sonars"
+    sonars.mkdir()
+    (sonars / "poses.txt").write_text("0 0 0 0\n100 0 0 0\n")
+    (sonars / "measurement.txt").write_text(f"0{8 * ' 900'}\n100{8 * ' 900'}\n")
+    capsys.readouterr()
+    for words, expected in (
+        ((first, "--session", two), "two.session holds this recording already"),
+        ((sonars, "--save-session", one), "sessions are of recordings with a laser"),
+        ((first, "--save-session", tmp_path), "cannot be written"),
+        ((first, "--save-session", tmp_path / "no" / "a"), "there is no folder"),
+    ):
+        assert run(*words, "--out", out) == 2
+        error = capsys.readouterr().err
+        assert expected in error and error.count("\n") == 1
+        assert not out.exists()
+
+
+def test_a_map_is_kept_where_the_session_cannot_be_saved(tmp_path, monkeypatch, capsys):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("grid_mapper.loop_run.save_session", full)
+    bag, out = room_bag(tmp_path / "bag", 6), tmp_path / "out"
+    assert run(bag, "--out", out, "--save-session", tmp_path / "a.session", "--quiet") == 1
+    assert "could not be saved: [Errno 28] No space left" in capsys.readouterr().err
+    assert {f.name for f in out.iterdir()} == RESULT_FILES
 
 
 def test_without_the_solver_nothing_is_mapped_and_the_cure_is_named(tmp_path, monkeypatch, capsys):

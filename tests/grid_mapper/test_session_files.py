@@ -1,7 +1,8 @@
 import json
 import zipfile
 from collections import Counter, deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,14 +13,22 @@ from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.loop_localizer import LoopClosingLocalizer
 from grid_mapper.recordings.events import RangeEvent, Recording, ScanEvent
-from grid_mapper.session_codec import packed, unpacked
-from grid_mapper.session_files import SessionError, load_session, save_session
-from grid_mapper.session_run import first_scans, num_taken, rest_of, together
+from grid_mapper.session_codec import kept, packed, unpacked
+from grid_mapper.session_files import (
+    KINDS,
+    LEFT_OUT,
+    VERSION,
+    SessionError,
+    load_session,
+    save_session,
+)
+from grid_mapper.session_run import first_scans, num_taken, rest_of, take_up, together
 
 STEP_NS = 300_000_000
 HERE = SE2.identity()
 CONFIG = GridMapperConfig(loop=replace(GridMapperConfig().loop, recent_scans=20))
 CUT = 95
+LAYOUT = Path(__file__).parents[1] / "data" / "session_layout.txt"
 
 
 @pytest.fixture(scope="module")
@@ -92,10 +101,40 @@ def test_another_recording_begins_with_a_jump(events, saved):
     assert jumps == [True] + [False] * (len(jumps) - 1)
 
 
-def test_a_recording_of_before_that_is_another_one_is_refused(events, saved):
+def test_another_recording_may_begin_at_any_time(events, saved):
     other = [replace(event, stamp_ns=event.stamp_ns + 3) for event in events]
-    with pytest.raises(SessionError, match="begins before the end of .*drive.session"):
-        num_taken(load_session(saved, CONFIG), recording(other))
+    taken_up = take_up(load_session(saved, CONFIG), recording(other))
+    assert taken_up.taken is None
+    scans = [e for e in taken_up.all(recording(other)).events() if isinstance(e, ScanEvent)]
+    num_before = taken_up.session.num_scans
+    assert len(scans) == num_before + len(events) // 2
+    assert [k for k, e in enumerate(scans) if e.follows_jump] == [num_before]
+    assert scans[num_before].stamp_ns == 3 < scans[num_before - 1].stamp_ns
+
+
+def test_readings_before_the_first_scan_of_another_recording_are_left_out(events, saved):
+    late = [replace(event, stamp_ns=event.stamp_ns + 10**12) for event in events[1:]]
+    assert isinstance(late[0], RangeEvent)
+    rest = list(rest_of(recording(late), None).events())
+    assert isinstance(rest[0], ScanEvent) and len(rest) == len(late) - 1
+
+
+def test_a_recording_that_was_taken_before_another_one_is_refused(events, tmp_path):
+    later = [replace(event, stamp_ns=event.stamp_ns + 10**12) for event in events[:10]]
+    path, both = tmp_path / "two.session", [*events[:20], *later]
+    save_session(path, follow(LoopClosingLocalizer(CONFIG), both), both)
+    session = load_session(path, CONFIG)
+    with pytest.raises(SessionError, match="two.session holds this recording already"):
+        num_taken(session, recording(events[:20]))
+    assert num_taken(session, recording(later)) == 10
+    assert num_taken(session, recording(events)) is None  # longer: there is more in it
+
+
+def test_a_reading_without_a_value_is_known_again(events, tmp_path):
+    silent = [events[0], replace(events[1], range=float("nan"))]
+    path = tmp_path / "silent.session"
+    save_session(path, follow(LoopClosingLocalizer(CONFIG), silent), silent)
+    assert num_taken(load_session(path, CONFIG), recording(silent)) == 2
 
 
 def test_the_first_scans_come_with_the_readings_behind_them(events):
@@ -151,7 +190,7 @@ class Pair:
 
 class Thing:
     def __init__(self, inner=None):
-        self.inner, self.config = inner, 1
+        self.inner, self.config, self.value = inner, 1, None
 
 
 def test_values_come_back_as_they_were():
@@ -173,7 +212,8 @@ def test_an_object_met_twice_is_one_again():
     thing.inner.value = 7
     fresh = Thing(Thing())
     fresh.again = fresh.inner
-    unpacked(packed(thing, frozenset({"config"})), {}, fresh)
+    config = frozenset({"config"})
+    unpacked(packed(thing, config), {}, fresh, config)
     assert fresh.inner.value == 7 and fresh.again is fresh.inner
 
 
@@ -181,3 +221,50 @@ def test_an_object_met_twice_is_one_again():
 def test_what_is_not_known_is_not_made(data):
     with pytest.raises(ValueError, match="."):
         unpacked(data, {}, None)
+
+
+@pytest.mark.parametrize(("change", "problem"), [
+    (lambda thing: setattr(thing, "more", 1), "unknown .'more'."),
+    (lambda thing: delattr(thing, "inner"), "missing .'inner'."),
+])  # fmt: skip
+def test_other_attributes_than_the_object_has_are_refused(change, problem):
+    thing = Thing()
+    change(thing)
+    with pytest.raises(ValueError, match=problem):
+        unpacked(packed(thing), {}, Thing())
+    fresh = Thing()
+    unpacked(packed(Thing(2), frozenset({"config"})), {}, fresh, frozenset({"config"}))
+    assert (fresh.inner, fresh.config) == (2, 1)
+
+
+def test_a_state_that_does_not_fit_is_one_line(saved, monkeypatch):
+    monkeypatch.setattr(
+        "grid_mapper.session_files.LoopClosingLocalizer", lambda config: Thing(config)
+    )
+    with pytest.raises(SessionError, match="drive.session is damaged: not readable") as found:
+        load_session(saved, CONFIG).localizer()
+    assert "\n" not in str(found.value)
+
+
+def layout_lines(value, place="session"):
+    """Yield a line for every class whose attributes are saved, objects within objects too."""
+    if hasattr(value, "as_state"):
+        yield f"{place} {type(value).__name__}: by itself"
+        return
+    names = sorted(kept(value, LEFT_OUT))
+    yield f"{place} {type(value).__name__}: {' '.join(names)}"
+    for name in names:
+        inner = vars(value)[name]
+        if type(inner).__module__.startswith("grid_mapper") and not is_dataclass(inner):
+            yield from layout_lines(inner, f"{place}.{name}")
+
+
+def test_the_layout_is_that_of_the_version():
+    lines = [f"version {VERSION}", *layout_lines(LoopClosingLocalizer(CONFIG))]
+    for kind in KINDS.values():
+        lines.append(f"{kind.__name__}: {' '.join(f.name for f in fields(kind))}")
+    pinned = LAYOUT.read_text().splitlines()
+    assert lines == pinned, (
+        f"what a session is made of has changed: raise VERSION in session_files.py, "
+        f"and write these lines to {LAYOUT}:\n" + "\n".join(lines)
+    )

@@ -16,8 +16,8 @@ from grid_mapper.loop_warm_up import warm_up_loops
 from grid_mapper.map_rebuild import MapRebuild
 from grid_mapper.map_run import MapRun, run_mapper
 from grid_mapper.recordings import Recording
-from grid_mapper.session_files import Session, save_session
-from grid_mapper.session_run import first_scans, num_taken, rest_of, together
+from grid_mapper.session_files import save_session
+from grid_mapper.session_run import TakenUp, first_scans
 
 OnScan = Callable[[MapRun], None]
 
@@ -31,7 +31,7 @@ class Sessions:
         save: File to save this run's in; None saves none.
     """
 
-    before: Session | None = None
+    before: TakenUp | None = None
     save: Path | None = None
 
 
@@ -72,19 +72,20 @@ def run_closing(
         sessions: The one to go on with, and where to save it.
 
     Raises:
-        ValueError: If the graph's solver is not installed, or a session is not of the recording.
+        ValueError: If the graph's solver is not installed.
     """
     warm_up_loops()
     before, mapper = sessions.before, LayeredMapper(config)
-    localizer = LoopClosingLocalizer(config) if before is None else before.localizer()
-    open_all = open_again
+    localizer, rest, open_all = LoopClosingLocalizer(config), recording, open_again
     if before is not None:
-        taken = num_taken(before, open_again())
-        recording = rest_of(recording, taken)
-        open_all = lambda: together(before, rest_of(open_again(), taken))  # noqa: E731
-    found = run_mapper(recording, localizer, max_scans, on_scan[0])
+        localizer, rest = before.localizer, before.rest(recording)
+        open_all = lambda: before.all(open_again())  # noqa: E731
+    found = run_mapper(rest, localizer, max_scans, on_scan[0])
+    if before is not None and before.taken is None:
+        recording.counts.scans += before.session.num_scans
     if sessions.save is not None:
-        save_session(sessions.save, localizer, first_scans(open_all(), localizer.num_scans))
+        problem = _save(sessions.save, localizer, open_all())
+        recording.problem = recording.problem or problem
     started = time.perf_counter()
     localizer.closer.finish()
     finish_ms = 1e3 * (time.perf_counter() - started)
@@ -95,6 +96,15 @@ def run_closing(
     both = zip(found.scan_ms, run.scan_ms[-len(found.scan_ms) :], strict=False)
     run.scan_ms = [first + second for first, second in both]
     return ClosedRun(run, mapper, localizer.closer)
+
+
+def _save(path: Path, localizer: LoopClosingLocalizer, events: Recording) -> str | None:
+    """Save the session; return why that was not possible, for the map is worth having without."""
+    try:
+        save_session(path, localizer, first_scans(events, localizer.num_scans))
+    except (OSError, ValueError) as error:
+        return f"the session could not be saved: {error}"
+    return None
 
 
 def loop_figures(closer: LoopCloser) -> dict[str, Any]:

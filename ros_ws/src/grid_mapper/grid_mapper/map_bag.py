@@ -7,6 +7,7 @@ and trajectory, byte for byte.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -33,6 +34,7 @@ from grid_mapper.recordings import (
 from grid_mapper.recordings.listing import describe_recording
 from grid_mapper.relations import load_relations
 from grid_mapper.session_files import load_session
+from grid_mapper.session_run import take_up
 from grid_mapper.sonar_mount import infrared_warning
 from grid_mapper.trajectory_metrics import load_tum
 
@@ -48,10 +50,12 @@ def main(argv: list[str] | None = None) -> int:
         if args.list:
             say("\n".join(describe_recording(args.recording, options)))
             return 0
-        inputs, sessions = _inputs(args), _sessions(args, config)
+        inputs = _inputs(args)
         if config.loop_closing:
             load_solver()
+        _check_sessions(args, config)
         recording = open_recording(args.recording, options)
+        sessions = _sessions(args, config, recording, options)
     except (RecordingError, ValueError, OSError) as error:
         raise UserError(" ".join(str(error).split())) from error
     for line in recording.info:
@@ -104,18 +108,38 @@ def _config(args: argparse.Namespace) -> tuple[GridMapperConfig, FrameConfig]:
         raise UserError(str(error)) from error
 
 
-def _sessions(args: argparse.Namespace, config: GridMapperConfig) -> Sessions:
-    """Return the sessions asked for.
+def _check_sessions(args: argparse.Namespace, config: GridMapperConfig) -> None:
+    """Refuse sessions that cannot be, before anything is read.
 
     Raises:
-        ValueError: One cannot be taken up, or none can be made.
+        ValueError: None can be made, or not there.
     """
     if (args.session or args.save_session) and not config.loop_closing:
         raise ValueError("sessions are of runs that close loops; loop_closing is false")
-    if args.save_session is not None and not args.save_session.parent.is_dir():
-        raise ValueError(f"--save-session: there is no folder {args.save_session.parent}")
-    before = None if args.session is None else load_session(args.session, config)
-    return Sessions(before, args.save_session)
+    save: Path | None = args.save_session
+    if save is None:
+        return
+    if not save.parent.is_dir():
+        raise ValueError(f"--save-session: there is no folder {save.parent}")
+    if save.is_dir() or not os.access(save.parent, os.W_OK):
+        raise ValueError(f"--save-session: {save} cannot be written")
+
+
+def _sessions(
+    args: argparse.Namespace, config: GridMapperConfig, recording: Recording,
+    options: RecordingOptions,
+) -> Sessions:  # fmt: skip
+    """Return the sessions asked for.
+
+    Raises:
+        ValueError: One cannot be taken up, or not with this recording.
+    """
+    if (args.session or args.save_session) and not recording.has_laser:
+        raise ValueError("sessions are of recordings with a laser; this one has none")
+    if args.session is None:
+        return Sessions(None, args.save_session)
+    before = load_session(args.session, config)
+    return Sessions(take_up(before, open_recording(args.recording, options)), args.save_session)
 
 
 def _inputs(args: argparse.Namespace) -> MapInputs:

@@ -2,8 +2,8 @@
 
 A tree of plain values is JSON; arrays stand behind it in one block, by type, shape and place.
 Dataclasses are named by their class; only those that the reader knows are made. Of other objects
-the attributes are taken, and put into an object that is already there; one with `as_state` and
-`take_state` says itself what it is made of. An object met again is written once.
+the attributes are taken, and put into an object that is already there and has just these; one with
+`as_state` and `take_state` says itself what it is made of. An object met again is written once.
 """
 
 from __future__ import annotations
@@ -32,23 +32,32 @@ def packed(value: Any, left_out: frozenset[str] = frozenset()) -> bytes:
     return len(head).to_bytes(_LENGTH_BYTES, "little") + head + b"".join(arrays)
 
 
-def unpacked(data: bytes, kinds: Mapping[str, type], into: object | None = None) -> Any:
+def unpacked(
+    data: bytes, kinds: Mapping[str, type], into: object | None = None,
+    left_out: frozenset[str] = frozenset(),
+) -> Any:  # fmt: skip
     """Return what was packed.
 
     Args:
         data: The bytes.
         kinds: Dataclasses that may be in it, by name.
         into: Object whose attributes are set, where an object was packed.
+        left_out: Attributes of objects that were not taken, and stay as they are.
 
     Raises:
-        ValueError: The bytes are not of this form.
+        ValueError: The bytes are not of this form, or of an object with other attributes.
     """
     try:
         end = _LENGTH_BYTES + int.from_bytes(data[:_LENGTH_BYTES], "little")
         tree = json.loads(data[_LENGTH_BYTES:end])
-        return _Unpacker(memoryview(data)[end:], kinds).value(tree, into)
+        return _Unpacker(memoryview(data)[end:], kinds, left_out).value(tree, into)
     except (KeyError, IndexError, TypeError, AttributeError, UnicodeDecodeError) as error:
         raise ValueError(f"not readable ({type(error).__name__}: {error})") from error
+
+
+def kept(value: object, left_out: frozenset[str]) -> list[str]:
+    """Return the attributes of an object that are saved."""
+    return [name for name in vars(value) if name not in left_out]
 
 
 class _Packer:
@@ -84,9 +93,7 @@ class _Packer:
         self._met.add(id(value))
         if hasattr(value, "as_state"):
             return self.tree(value.as_state())
-        return {
-            "dict": [[k, self.tree(v)] for k, v in vars(value).items() if k not in self._left_out]
-        }
+        return {"dict": [[k, self.tree(vars(value)[k])] for k in kept(value, self._left_out)]}
 
     def _place(self, array: np.ndarray) -> list[Any]:
         if array.dtype.hasobject:
@@ -100,8 +107,10 @@ class _Packer:
 class _Unpacker:
     """Makes values of the tree."""
 
-    def __init__(self, block: memoryview, kinds: Mapping[str, type]) -> None:
-        self._block, self._kinds = block, kinds
+    def __init__(
+        self, block: memoryview, kinds: Mapping[str, type], left_out: frozenset[str]
+    ) -> None:
+        self._block, self._kinds, self._left_out = block, kinds, left_out
 
     def value(self, tree: Any, into: object | None = None) -> Any:
         """Return the value of a part of the tree."""
@@ -133,7 +142,10 @@ class _Unpacker:
         if hasattr(into, "take_state"):
             into.take_state(self.value(parts))
             return into
+        found, expected = {k for k, _ in parts["dict"]}, set(kept(into, self._left_out))
+        if found != expected:
+            missing, unknown = sorted(expected - found), sorted(found - expected)
+            raise KeyError(f"{name}: missing {missing}, unknown {unknown}")
         for attribute, part in parts["dict"]:
-            there = getattr(into, attribute, None)
-            setattr(into, attribute, self.value(part, there))
+            setattr(into, attribute, self.value(part, vars(into)[attribute]))
         return into

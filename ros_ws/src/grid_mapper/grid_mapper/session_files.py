@@ -28,7 +28,7 @@ from grid_mapper.recordings.events import Event, RangeEvent, ScanEvent
 from grid_mapper.session_codec import packed, unpacked
 from grid_mapper.surface_points import SurfacePoints
 
-FORMAT, VERSION = "floornav mapping session", 1
+FORMAT, VERSION = "floornav mapping session", 2
 EVENTS_A_PART = 500
 LEFT_OUT = frozenset({"config", "_key", "_solver"})
 """Attributes that follow from the parameters or from the rest."""
@@ -65,9 +65,16 @@ class Session:
     num_parts: int
 
     def localizer(self) -> LoopClosingLocalizer:
-        """Return a localizer that goes on where this session ended."""
+        """Return a localizer that goes on where this session ended.
+
+        Raises:
+            SessionError: What was saved is not a localizer's state.
+        """
         fresh = LoopClosingLocalizer(self.config)
-        unpacked(_read(self.path, "state"), KINDS, fresh)
+        try:
+            unpacked(_read(self.path, "state"), KINDS, fresh, LEFT_OUT)
+        except (KeyError, ValueError) as error:
+            raise SessionError(f"{self.path} is damaged: {error}") from error
         return fresh
 
     def events(self) -> Iterator[Event]:

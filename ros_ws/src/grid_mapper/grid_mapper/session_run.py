@@ -2,38 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
 
-from grid_mapper.recordings.events import Event, Recording, ScanEvent
+from grid_mapper.loop_localizer import LoopClosingLocalizer
+from grid_mapper.recordings.events import Event, RangeEvent, Recording, ScanEvent
 from grid_mapper.session_files import Session, SessionError
 
-Open = Callable[[], Recording]
+
+@dataclass(frozen=True)
+class TakenUp:
+    """A session that a recording goes on with.
+
+    Attributes:
+        session: What was saved.
+        localizer: As it was then; goes on.
+        taken: Events of the recording that it has taken; None for another recording.
+    """
+
+    session: Session
+    localizer: LoopClosingLocalizer
+    taken: int | None
+
+    def rest(self, recording: Recording) -> Recording:
+        """Return what of the recording is left to take."""
+        return rest_of(recording, self.taken)
+
+    def all(self, recording: Recording) -> Recording:
+        """Return all events of the session, and then what is left of the recording."""
+        return together(self.session, self.rest(recording))
+
+
+def take_up(session: Session, recording: Recording) -> TakenUp:
+    """Return a session ready to go on.
+
+    Args:
+        session: As it was opened.
+        recording: The one to go on with; its events are taken.
+
+    Raises:
+        SessionError: It cannot be gone on with.
+    """
+    taken = num_taken(session, recording)
+    return TakenUp(session, session.localizer(), taken)
 
 
 def num_taken(session: Session, recording: Recording) -> int | None:
     """Return how many of a recording's events a session has taken; None for another recording.
 
     Raises:
-        SessionError: The recording goes back before the session's end and does not hold it.
+        SessionError: It has taken the whole recording, and another one after it.
     """
-    first: Event | None = None
+    last_scan: Event | None = None
     for number, event in enumerate(recording.events()):
-        first = event if first is None else first
         if _is_same(event, session.last):
             return number + 1
-    if first is not None and first.stamp_ns <= session.last.stamp_ns:
+        last_scan = event if isinstance(event, ScanEvent) else last_scan
+    if last_scan is not None and any(_is_same(last_scan, event) for event in session.events()):
         raise SessionError(
-            f"the recording begins before the end of {session.path} and is not the one it is of"
+            f"{session.path} holds this recording already, to its end, and another one after it"
         )
     return None
 
 
 def rest_of(recording: Recording, taken: int | None) -> Recording:
-    """Return what a session has not taken yet; another recording begins with a jump."""
+    """Return what a session has not taken yet.
+
+    Another recording begins with a jump, whatever its stamps are; readings before its first scan
+    are left out, as no scan says where they were taken.
+    """
     original = recording
 
     def source(recording: Recording) -> Iterator[Event]:
@@ -42,9 +82,10 @@ def rest_of(recording: Recording, taken: int | None) -> Recording:
             next(events)
         is_begun = taken is not None
         for event in events:
-            if isinstance(event, ScanEvent) and not is_begun:
-                is_begun = True
-                event = replace(event, follows_jump=True)
+            if not is_begun:
+                if not isinstance(event, ScanEvent):
+                    continue
+                is_begun, event = True, replace(event, follows_jump=True)
             yield event
 
     return replace(recording, source=source, num_scans=None)
@@ -66,8 +107,11 @@ def first_scans(recording: Recording, num: int) -> Iterator[Event]:
 
 
 def _is_same(a: Event, b: Event) -> bool:
-    if a.stamp_ns != b.stamp_ns or type(a) is not type(b):
+    if a.stamp_ns != b.stamp_ns:
         return False
     if isinstance(a, ScanEvent) and isinstance(b, ScanEvent):
         return np.array_equal(a.scan.ranges, b.scan.ranges, equal_nan=True)
-    return a == b
+    if isinstance(a, RangeEvent) and isinstance(b, RangeEvent):
+        same_range = np.array_equal(a.range, b.range, equal_nan=True)
+        return same_range and replace(a, range=0.0) == replace(b, range=0.0)
+    return False
