@@ -114,7 +114,10 @@ def test_relations_and_ground_truth_are_measured(tmp_path, capsys):
     assert summary["relations_trans_m"] < 0.01 and summary["relations_rot_deg"] < 0.5
     assert summary["relations_trans_std_m"] == 0.0 and len(summary["relations_worst"]) == 1
     assert summary["ate_m"] < 0.01 and summary["rpe_m"] < 0.01 and summary["gt_poses"] == 20
-    assert "relations: 1 of 2 matched" in capsys.readouterr().out
+    assert summary["relations_published"] is None
+    text, page = capsys.readouterr().out, (out / "report.html").read_text()
+    assert "relations: 1 of 2 matched" in text and "published" not in text + page
+    assert "Against known relations" in page
 
 
 def test_relations_and_ground_truth_of_another_time_are_errors(tmp_path, capsys):
@@ -249,15 +252,20 @@ def test_ctrl_c_leaves_the_results_so_far_marked_partial(tmp_path):
     assert (tmp_path / "out" / "map.png").exists()
 
 
-def test_the_intel_lab_comes_out_far_better_than_its_odometry(tmp_path):
+def test_the_intel_lab_comes_out_far_better_than_its_odometry(tmp_path, capsys):
     log = data_file("intel-lab/intel_keyframes_rawodom_corrected.log.gz")
     relations = data_file("intel-lab/intel.relations.gz")
-    words = ("--relations", relations, "--max-scans", "200", "--out", tmp_path / "out", "--quiet")
+    words = ("--relations", relations, "--max-scans", "200", "--out", tmp_path / "out")
     assert run(log, *words) == 0
     summary = summary_of(tmp_path / "out")
     assert (summary["relations_used"], summary["scans_used"]) == (13, 200)
     assert summary["relations_trans_m"] < 0.1  # raw odometry: 0.765 m
     assert summary["loops"] > 20 and summary["nodes"] <= 200
+    assert [r["trans_m"] for r in summary["relations_published"]] == [0.220, 0.070, 0.031]
+    text, page = capsys.readouterr().out, (tmp_path / "out" / "report.html").read_text()
+    assert "graph mapping 0.031 +- 0.026" in text
+    for words in (text, page):
+        assert "published over all 2984 relations, ours over the 13 matched ones" in words
 
 
 def test_without_closing_loops_nothing_is_said_of_them(tmp_path, capsys):

@@ -3,6 +3,7 @@ import pytest
 from recording_builders import data_file
 
 from floornav_common.se2 import SE2
+from grid_mapper.published_relations import published_errors
 from grid_mapper.recordings.carmen_lines import parse_flaser, parse_robotlaser
 from grid_mapper.recordings.log_entries import read_words
 from grid_mapper.relations import Relation, load_relations, relation_errors
@@ -93,3 +94,20 @@ def test_fr079_figures_with_its_offset():
     assert len(errors.relations) == pytest.approx(1638, abs=5)
     assert np.mean(errors.translations) == pytest.approx(0.059, abs=0.001)
     assert np.degrees(np.mean(errors.rotations)) == pytest.approx(0.70, abs=0.01)
+
+
+def test_published_rows_are_of_the_files_that_they_are_of():
+    of = {
+        path: published_errors(load_relations(data_file(path)))
+        for path in ("intel-lab/intel.relations.gz", "fr079/fr079.relations.gz")
+    }
+    graph = {path: rows[2] for path, rows in of.items()}
+    assert [(r.method, r.mean, r.std) for r in graph.values()] == [
+        ("graph mapping", 0.031, 0.026), ("graph mapping", 0.056, 0.042),
+    ]  # fmt: skip
+
+
+def test_of_other_relations_nothing_is_published():
+    intel = [Relation(976_052_896_784_509_000 + k, NS, SE2(0, 0, 0)) for k in range(2984)]
+    assert [row.mean for row in published_errors(intel)] == [0.220, 0.070, 0.031]
+    assert published_errors(intel[:-1]) == published_errors(intel[1:]) == published_errors([]) == []

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from floornav_common.report_page import Section, Table
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.map_run import MapRun
-from grid_mapper.relations import RelationErrors
+from grid_mapper.published_relations import SOURCE, published_errors
+from grid_mapper.relations import Relation, RelationErrors
 
 NUM_WORST = 5
 
@@ -52,6 +55,15 @@ def relation_figures(errors: RelationErrors) -> dict[str, Any]:
             for relation, translation, rotation in errors.worst(NUM_WORST)
         ],
     }
+
+
+def published_figures(relations: Sequence[Relation]) -> dict[str, Any]:
+    """Return what others reached against the same relations, by summary key; None if unknown."""
+    rows = [
+        {"method": row.method, "trans_m": row.mean, "trans_std_m": row.std}
+        for row in published_errors(relations)
+    ]
+    return {"relations_published": rows or None}
 
 
 def screen_text(summary: dict[str, Any]) -> str:
@@ -116,4 +128,35 @@ def _relation_lines(s: dict[str, Any]) -> list[str]:
             f" from {w['t1']:.3f} s to {w['t2']:.3f} s"
             for w in s["relations_worst"]
         )
-    return lines
+    return lines + _published_lines(s)
+
+
+def _published_lines(s: dict[str, Any]) -> list[str]:
+    if not s["relations_published"]:
+        return []
+    rows = [
+        f"{row['method']} {row['trans_m']:.3f} +- {row['trans_std_m']:.3f}"
+        for row in s["relations_published"]
+    ]
+    return [f"  published, translation in m: {', '.join(rows)}", f"  ({_caveat(s)}; {SOURCE})"]
+
+
+def _caveat(s: dict[str, Any]) -> str:
+    used, total = s["relations_used"], s["relations_total"]
+    return f"published over all {total} relations, ours over the {used} matched ones"
+
+
+def relation_sections(s: dict[str, Any]) -> list[Section]:
+    """Return the part of the page that has the relation errors beside the published ones."""
+    if not s["relations_used"]:
+        return []
+    published = s["relations_published"] or []
+    ours = [f"{s[f'relations_trans{k}_m']:.3f}" for k in ("", "_std")]
+    ours += [f"{s[f'relations_rot{k}_deg']:.2f}" for k in ("", "_std")]
+    head = ["poses", "relations", "translation, m", "deviation", "rotation, deg", "deviation"]
+    rows = [["this run", f"{s['relations_used']} of {s['relations_total']}", *ours]] + [
+        [row["method"], "all", f"{row['trans_m']:.3f}", f"{row['trans_std_m']:.3f}", "-", "-"]
+        for row in published
+    ]
+    text = [f"Rows below the first: {SOURCE}; {_caveat(s)}."] if published else []
+    return [Section("Against known relations", [Table(head, rows), *text])]

@@ -11,7 +11,13 @@ from floornav_common.report_page import Figures, Picture, Section, Table
 from floornav_common.reporting import write_atomic, write_html
 from grid_mapper.glass_files import save_layers
 from grid_mapper.layers import LayeredMapper
-from grid_mapper.map_figures import relation_figures, screen_text, sonar_figures
+from grid_mapper.map_figures import (
+    published_figures,
+    relation_figures,
+    relation_sections,
+    screen_text,
+    sonar_figures,
+)
 from grid_mapper.map_pictures import draw_map
 from grid_mapper.map_run import MapRun, peak_memory_mb
 from grid_mapper.recordings import Counts, Recording
@@ -29,7 +35,8 @@ SUMMARY_KEYS = (
     "ranges_void", "ranges_unplaced", "infrared_frames", "glass_cells", "path_m", "duration_s",
     "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
     "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
-    "relations_used", "relations_total", "relations_worst", "ate_m", "rpe_m", "gt_poses",
+    "relations_used", "relations_total", "relations_worst", "relations_published", "ate_m",
+    "rpe_m", "gt_poses",
     "nodes", "loops", "loops_refused", "ms_median", "ms_p99", "ms_max", "real_time_factor",
     "ms_per_range_median", "ms_per_range_p99", "peak_mb",
     "input", "input_format", "input_info", "problem",
@@ -120,7 +127,7 @@ def _compare(inputs: MapInputs, run: MapRun, summary: dict[str, Any]) -> None:
             inputs.relations_tolerance_ns,
             inputs.relations_offset_ns,
         )
-        summary.update(relation_figures(errors))
+        summary.update(relation_figures(errors) | published_figures(inputs.relations))
         if len(errors.translations) == 0:
             _fail(summary, _no_relation_matched(inputs, run, errors.num_total))
     if inputs.truth is not None:
@@ -201,6 +208,7 @@ def _sections(out: Path, inputs: MapInputs, summary: dict[str, Any], run: MapRun
         Section("Map", [figures, *pictures]),
         Section("How it was read", list(inputs.info)),
         Section("Figures", screen_text(summary).splitlines()),  # type: ignore[arg-type]
+        *relation_sections(summary),
     ]
     if run.untrusted:
         rows: list[list[Any]] = [
