@@ -25,17 +25,25 @@ from grid_mapper.layers import LayeredMapper
 pytest.importorskip("tf2_msgs", reason="tf2_msgs could not be built here")
 pytest.importorskip("gtsam", reason="loops are closed by gtsam")
 from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402
+from geometry_msgs.msg import PoseWithCovarianceStamped  # noqa: E402
 from nav_msgs.msg import OccupancyGrid  # noqa: E402
 from nav_msgs.msg import Path as PathMsg
 from robot_messages import statuses  # noqa: E402
 from test_grid_mapper import NODE, PERIOD_NS, READY_S, T0_NS, Robot  # noqa: E402
 
-from floornav_common.ros.messages import grid_from_msg, pose_to_se2  # noqa: E402
+from floornav_common.ros.messages import (  # noqa: E402
+    grid_from_msg,
+    pose_to_se2,
+    se2_cov_to_ros,
+    se2_to_pose,
+)
 from floornav_common.ros.qos import RELIABLE_QOS  # noqa: E402
 from grid_mapper.nodes import mapper_choice  # noqa: E402
 
 LAPS, NUM = 1.3, 150
 STANDING = 400
+SHORT_SIGHTED, GOOD = (90, 0.03, 4.0), (180, 0.01, 8.0)
+"""Lasers: beams, noise (m), range (m)."""
 ONE_LAP = round(NUM / LAPS)
 LASER = SE2(0.1, 0.0, 0.2)
 OK, WARN = b"\x00", b"\x01"
@@ -47,24 +55,58 @@ class RingRobot(Robot):
     def __init__(self, peer: Any, node: Any) -> None:
         super().__init__(peer, node)
         self.node_pid = node.process.pid
+        self.laser = SHORT_SIGHTED
         self.truth = round_the_ring(NUM, LAPS)
         self.odometry = drifted(self.truth, 0.01, 1.05)
         self.paths = peer.collect(PathMsg, "trajectory", RELIABLE_QOS)
         self.said = peer.collect(DiagnosticArray, "/diagnostics", RELIABLE_QOS)
+        self._initialpose = peer.publisher(
+            PoseWithCovarianceStamped, "initialpose", RELIABLE_QOS, to=node
+        )
         peer.wait_to_hear("trajectory", "/diagnostics")
         node.wait_for("/trajectory is sent to 1")
 
     def go_on(self, num: int) -> None:
         """Send so many scans with their odometry, and wait for each pose."""
         for _ in range(num):
-            k, stamp_ns = self.step, T0_NS + self.step * PERIOD_NS
-            rng = np.random.default_rng(k)
-            self.send(
-                scan_at(self.truth[k] @ LASER, ring(), 90, rng, sigma=0.03, range_max=4.0), stamp_ns
-            )
-            self.send_odometry(self.truth[0].between(self.odometry[k]), stamp_ns)
-            self.wait_for_pose(stamp_ns)
-            self.step += 1
+            self.wait_for_pose(self.go())
+
+    def go(self) -> int:
+        """Send a scan with its odometry, and return its stamp."""
+        k, stamp_ns = self.step, T0_NS + self.step * PERIOD_NS
+        num_beams, sigma, reach = self.laser
+        pose, rng = self.truth[k] @ LASER, np.random.default_rng(k)
+        self.send(scan_at(pose, ring(), num_beams, rng, sigma, range_max=reach), stamp_ns)
+        self.send_odometry(self.truth[0].between(self.odometry[k]), stamp_ns)
+        self.step += 1
+        return stamp_ns
+
+    def carry_to(self, place: int) -> None:
+        """Let the robot be carried to an earlier place of its way; its wheels feel nothing."""
+        truth, odometry, now = self.truth, self.odometry, self.step
+        moved = [odometry[place].between(odom) for odom in odometry[place:]]
+        self.truth = truth[:now] + truth[place:]
+        self.odometry = odometry[:now] + [odometry[now - 1] @ T for T in moved]
+
+    def say_where(self, pose: SE2) -> None:
+        """Send `initialpose`, as RViz does."""
+        msg = PoseWithCovarianceStamped()
+        msg.header.frame_id, msg.pose.pose = "map", se2_to_pose(pose)
+        msg.pose.covariance = se2_cov_to_ros(np.diag([0.25, 0.25, 0.07]))
+        self._initialpose.publish(msg)
+
+    def mapping(self) -> tuple[bytes, int]:
+        """Return the newest level that the node said of its mapping, and how often it was found."""
+        said = statuses(self.said, "mapping")
+        values = {v.key: v.value for v in said[-1].values} if said else {}
+        return (said[-1].level if said else b""), int(values.get("found again", 0))
+
+    def error(self) -> float:
+        """Return how far the newest pose is from the true one of its scan."""
+        header = self.poses[-1].header.stamp
+        k = round((header.sec * 10**9 + header.nanosec - T0_NS) / PERIOD_NS)
+        truth = self.truth[0].between(self.truth[k])
+        return truth.between(pose_to_se2(self.poses[-1].pose.pose)).distance
 
     def loops(self) -> dict[str, int]:
         """Return the newest counts that the node said of its loops."""
@@ -90,7 +132,7 @@ class RingRobot(Robot):
 def robot(start: Any, peer: Any) -> RingRobot:
     parameters = (
         "loop.recent_scans:=20", "map_period_s:=0.3", "transform_timeout_s:=2.0",
-        "scan_timeout_s:=1000.0",
+        "scan_timeout_s:=1000.0", "lost_after_s:=1000.0",
     )  # fmt: skip
     words = [word for parameter in parameters for word in ("-p", parameter)]
     node = start(*NODE, "--ros-args", *words)
@@ -115,6 +157,21 @@ def test_a_lap_is_closed_and_the_way_and_the_map_are_corrected(robot: RingRobot)
     assert all(grid.cells.size > 1 for grid in grids)
     gaps = np.diff([m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in maps])
     assert (gaps >= 0.0).all()
+
+
+def test_said_where_it_is_it_goes_on_at_a_place_seen_long_ago(robot: RingRobot) -> None:
+    place, robot.laser = 6, GOOD
+    robot.go_on(45)  # of which the last 20 are recent
+    robot.peer.spin_until(lambda: bool(robot.maps))
+    robot.carry_to(place)
+    robot.say_where(robot.truth[0].between(robot.truth[place]) @ SE2(0.2, -0.2, 0.1))
+    for _ in range(30):
+        robot.go()
+        if robot.peer.spin_until(lambda: robot.mapping() == (OK, 1), 4.0, must=False):
+            break
+    assert robot.mapping() == (OK, 1), statuses(robot.said, "mapping")[-1].message
+    robot.go_on(5)
+    assert robot.error() < 0.15
 
 
 def test_a_background_that_dies_is_said_and_the_robot_goes_on(robot: RingRobot) -> None:

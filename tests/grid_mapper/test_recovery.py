@@ -14,11 +14,12 @@ from floornav_common.grid import OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.se2 import SE2
 from grid_mapper.background import InlineWorker
 from grid_mapper.closing_mapper import ClosingMapper
-from grid_mapper.config import GridMapperConfig
+from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from grid_mapper.glass_files import GLASS
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_session import LoopSession
 from grid_mapper.map_files import save_map
+from grid_mapper.nodes.lost_robot import LostRobot
 from grid_mapper.overlay import on_cells_of
 from grid_mapper.recovery import Recovery
 from grid_mapper.relocalizer import Relocalizer
@@ -192,3 +193,28 @@ def test_a_robot_lost_in_the_map_it_makes_is_found_there_and_maps_on():
         assert result.is_trusted == (found_at is not None)
     assert found_at is not None and is_near(result.T_map_base, T_map_world @ way[49])
     assert mapper.graph.num_nodes > nodes
+
+
+@pytest.mark.parametrize("use_odom", [True, False])
+def test_said_where_it_is_it_goes_on_at_a_place_that_no_recent_scan_shows(use_odom):
+    pytest.importorskip("gtsam")
+    config = replace(CONFIG, loop=replace(CONFIG.loop, recent_scans=10))
+    mapper = ClosingMapper(config, InlineWorker(LoopSession(config)))
+    way, rng, step = round_the_ring(120), np.random.default_rng(3), 0
+
+    def insert(truth, odom):
+        nonlocal step
+        step += 1
+        scan = scan_at(truth, WALLS, rng=rng, range_max=8.0)
+        lost.look(scan, HERE, odom)
+        return mapper.insert_scan(step * STEP_NS, scan, HERE, odom)
+
+    node_config = GridMapperNodeConfig(use_odom=use_odom)
+    lost = LostRobot(mapper, recovery_in(None), node_config)
+    for pose in way[:45]:
+        insert(pose, pose if use_odom else None)
+    lost = LostRobot(mapper, recovery_in(mapper.layers().laser), node_config)
+    truth = way[0].between(way[4])
+    lost.is_said_at(truth @ SE2(0.2, -0.2, 0.1), np.diag([0.25, 0.25, 0.07]))
+    results = [insert(way[4], way[44] if use_odom else None) for _ in range(3)]
+    assert results[-1].is_trusted and is_near(results[-1].T_map_base, truth)

@@ -17,7 +17,9 @@ from floornav_common.se2 import SE2
 from grid_mapper.background import Worker
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.localizer import MIN_VARIANCE, VAGUE_SIGMAS
+from grid_mapper.map_surfaces import round_place, surfaces_of
 from grid_mapper.motion import odometry_motion, rotated
+from grid_mapper.relocalizer import SURROUNDINGS_M
 from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound, Prior
 from grid_mapper.surface_points import SurfacePoints
 
@@ -95,6 +97,14 @@ class Recovery:
     def stop(self) -> None:
         """Look no more: somebody else knows."""
         self.is_active, self._looked = False, {}
+
+    def surroundings(self, pose: SE2) -> SurfacePoints | None:
+        """Return the surfaces of the map round a pose; None where there are none."""
+        grid = self._current_map()
+        if grid is None:
+            return None
+        near = round_place(surfaces_of(grid), pose.x, pose.y, SURROUNDINGS_M)
+        return near if len(near) else None
 
     def look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2) -> Recovered | None:
         """Take a scan of the lost robot; return where it is once that is known."""

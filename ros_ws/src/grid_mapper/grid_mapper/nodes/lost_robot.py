@@ -57,13 +57,12 @@ class LostRobot:
         return self._recovery.num_found
 
     def is_said_at(self, pose: SE2, cov: np.ndarray) -> None:
-        """Look near a pose in a map that was made before, else go on from there."""
-        if self._has_start_map:
+        """Look near a pose in the map that there is; without map or odometry go on from there."""
+        if self.config.use_odom and self._recovery.start(Prior(pose, cov)):
             self._mapper.lose()
-            self._recovery.start(Prior(pose, cov))
-        else:
-            self._recovery.stop()
-            self._mapper.relocate(pose, cov)
+            return
+        self._recovery.stop()
+        self._mapper.relocate(pose, cov, self._recovery.surroundings(pose))
 
     def look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None) -> None:
         """Look for the robot if it is lost; go on where it is found."""

@@ -76,7 +76,7 @@ class MapOutputs:
         nothing = empty_map(resolution)
         with self._lock:
             self._generation += 1
-        self.laser_map = None
+            self.laser_map = None
         for name in self._publishers:
             on_reference = name == "map/glass" and self._reference is not None
             cells = obstacles_on(nothing, self._reference) if on_reference else nothing
@@ -90,7 +90,9 @@ class MapOutputs:
 
     def _make(self, moment: LayersMoment, stamp: Any, generation: int) -> None:
         layers, reference = moment.layers(), self._reference
-        self.laser_map = layers.laser
+        with self._lock:  # what was begun before a reset is too old
+            if generation == self._generation and layers.laser.cells.size:
+                self.laser_map = layers.laser
         self._send("map", layers.occupancy, stamp, generation)
         self._send("map/laser", layers.laser, stamp, generation)
         self._send("map/sonar", layers.sonar, stamp, generation)
@@ -103,7 +105,7 @@ class MapOutputs:
         if name not in self._publishers or not grid.cells.size:
             return
         msg = messages.grid_to_msg(grid, stamp, self._node.frames.map)
-        with self._lock:  # what was begun before a reset is too old
+        with self._lock:
             if generation == self._generation:
                 self._publishers[name].publish(msg)
 
