@@ -33,9 +33,10 @@ How a row is judged:
 - *Lost*: poses that scans got no answer for; cells of the map that were known before; goals that
   had to be sent again, as a person at a screen would.
 
-Time is simulated and waits for the planner's commands, so that a slow machine only takes longer; a
-fault is run anew where the machine stood still for 2 s, which stops the robot too, and the row
-says so.
+Time is simulated and waits for the planner's commands, so that a slow machine only takes longer. A
+fault is run anew, and the row says so, where the machine stood still for 2 s, which stops the robot
+too; and where it is not passed although nothing was touched, and time had gone on for want of a
+command: it waits for one no longer than a second. Four times at most.
 
 """
 _FOOT = """
@@ -43,6 +44,8 @@ _FOOT = """
 
 - `image-upside-down` is not noticed by any node: to `floor_detector` it is a room turned round.
   The row only says that nothing was touched while it lasted.
+- With two sources of map to odom the robot stands as long as both are there: which of them is right
+  nobody knows. One source that corrects itself, once, does not stop it.
 - A second publisher on `cmd_vel` is named on `/diagnostics`, and the robot obeys both: end it, or
   put a multiplexer before the base.
 - `local_planner` that is killed sends no zero. That the robot then stands is the base's own limit
