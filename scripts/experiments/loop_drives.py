@@ -7,7 +7,8 @@ lately, `closed` is `open` corrected by the graph. *Revisit* is the mean error o
 between poses within 1 m of each other and more than a third of a lap apart. A loop counts as false
 where it is off by more than 0.3 m or 5 degrees. Ground truth is used to make the scans and to
 measure. *Looks* is the largest difference in looks of a place and one within 1 m of it, of a lap
-before: `loop.max_difference_m` is twice that of the default drives, rounded.
+before: `loop.max_difference_m` is twice that of the default drives, rounded. NEES says whether the
+covariances of motions, loops and poses, by which loops are looked for and judged, are true.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from experiments import consistency
 from experiments.corridor_loop import Drive, ring_laps, slipping_odometry
 from experiments.parallel_tasks import add_spread_options, run_tasks
 from floornav_common.reporting import Progress, Section, Table
@@ -46,17 +48,18 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Run all drives; fills `values["drives"]` and `values["false_loops_accepted"]`."""
     values["drives"], values["false_loops_accepted"] = {}, 0
-    values["looks_m"] = 0.0
+    values["looks_m"], values["nees"] = 0.0, {}
     rows = []
     seeds = range(FIRST_SEED + args.seed, FIRST_SEED + args.seed + args.runs)
     tasks = [(num_scans, seed) for num_scans in SCANS_A_LAP.values() for seed in seeds]
     done = run_tasks(_measure, tasks, args.jobs, args.cluster)
     with Progress("loop-drives", len(SCANS_A_LAP) * args.runs, is_quiet=args.quiet) as progress:
         for name in SCANS_A_LAP:
-            runs = []
+            runs, samples = [], []
             for _ in range(args.runs):
-                _, found = next(done)
+                _, (found, errors) = next(done)
                 runs.append(found)
+                samples.append(errors)
                 progress.update(len(values["drives"]) * args.runs + len(runs), name)
             values["drives"][name] = {
                 method: {key: float(np.mean([r[method][key] for r in runs])) for key in found}
@@ -65,28 +68,38 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
             looks = [r["closed"]["looks_m"] for r in runs]
             values["looks_m"] = max(values["looks_m"], *looks)
             values["false_loops_accepted"] += round(sum(r["closed"]["false_loops"] for r in runs))
+            values["nees"][name] = consistency.drive_figures(samples, GridMapperConfig().loop)
             rows += [_row(name, method, values["drives"][name][method]) for method in METHODS]
     header = ["drive", "poses", "ATE m", "revisit m", "revisit deg", "loops", "false loops"]
     looks_line = f"Looks: at most {values['looks_m']:.2f} m."
-    return [Section("Laps", [__doc__ or "", Table(header, rows), looks_line])]
+    nees = [consistency.__doc__ or "", consistency.table(values["nees"])]
+    return [
+        Section("Laps", [__doc__ or "", Table(header, rows), looks_line]),
+        Section("Whether uncertainties are true", nees),
+    ]
 
 
-def _measure(task: tuple[int, int]) -> dict[str, dict[str, float]]:
-    """Return the figures of every method on one drive: scans a lap, and seed."""
+def _measure(task: tuple[int, int]) -> tuple[dict[str, dict[str, float]], consistency.Samples]:
+    """Return the figures and the NEES of one drive: scans a lap, and seed."""
     num_scans, seed = task
     drive = ring_laps(180, np.pi, seed, num_scans)
     odometry = slipping_odometry(drive.truth, seed)
     config = GridMapperConfig()
     plain, closing = ScanLocalizer(config), LoopClosingLocalizer(config)
     poses: dict[str, list[SE2]] = {"all_scans": [], "open": []}
+    covs: list[np.ndarray] = []
     for k, (scan, odom) in enumerate(zip(drive.scans, odometry, strict=True)):
         poses["all_scans"].append(plain.localize(k * STEP_NS, scan, HERE, odom).T_map_base)
-        poses["open"].append(closing.insert_scan(k * STEP_NS, scan, HERE, odom).T_map_base)
+        result = closing.insert_scan(k * STEP_NS, scan, HERE, odom)
+        poses["open"].append(result.T_map_base)
+        covs.append(result.cov)
     closing.closer.finish()
     poses["closed"] = [known.T_map_base for known in closing.known_poses()]
     figures = {method: _errors(drive.truth, poses[method]) for method in METHODS}
     figures["closed"] |= _loops(closing.closer, drive)
-    return figures
+    nodes = [drive.truth[frame.stamp_ns // STEP_NS] for frame in closing.closer.frames]
+    open_poses = (poses["open"], covs, drive.truth)
+    return figures, consistency.drive_nees(closing.closer, nodes, *open_poses)
 
 
 def _errors(truth: list[SE2], poses: list[SE2]) -> dict[str, float]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from experiments import consistency
 from experiments.bench_scan_matching import kiss_icp_step
 from experiments.corridor_loop import Drive
 from experiments.glass_logs import GlassLog
@@ -55,10 +56,11 @@ class Job:
 
 @dataclass(frozen=True)
 class Found:
-    """Poses of a method, one a scan, and whether each is to be trusted."""
+    """Poses of a method, one a scan, whether each is to be trusted, and covariances if known."""
 
     poses: list[SE2]
     is_trusted: list[bool]
+    covs: list[np.ndarray] = field(default_factory=list)
 
 
 def run_floor(job: Job) -> dict[str, Any]:
@@ -72,6 +74,9 @@ def run_floor(job: Job) -> dict[str, Any]:
     wrong = FalseLoops(truth, log.scan_ns, np.random.default_rng((job.seed, 31)))
     _, found["after_false_loops"], spoiled = _closed(log, wrong)
     found["true_poses"] = Found(truth, [True] * len(truth))
+    nodes, before = true_nodes(closer, truth, log), found["before"]
+    samples = consistency.drive_nees(closer, nodes, before.poses, before.covs, truth)
+    nees = consistency.drive_figures([samples], closer.config.loop)
     rows, maps = _judged(log, truth, found)
     result: dict[str, Any] = {
         "world": job.world, "seed": job.seed, "methods": rows, **_drive_figures(log),
@@ -79,7 +84,9 @@ def run_floor(job: Job) -> dict[str, Any]:
         "loops_refused": dict(sorted(closer.refused.items())),
         "false_loops_found": num_false(closer, truth, log),
         "false_loops_injected": wrong.num, "false_loops_kept": wrong.num_kept(spoiled),
-        "pictures": [],
+        "false_loops_led_to": num_false(spoiled, truth, log, wrong),
+        "loops_before_the_first_false": wrong.num_loops_before,
+        "nees": nees, "pictures": [],
     }  # fmt: skip
     if job.pictures is not None:
         path = job.pictures / f"{job.world.replace(':', '-')}.png"
@@ -88,11 +95,18 @@ def run_floor(job: Job) -> dict[str, Any]:
     return result
 
 
-def num_false(closer: LoopCloser, truth: list[SE2], log: GlassLog) -> int:
-    """Return how many loops of a graph are wrong."""
+def true_nodes(closer: LoopCloser, truth: list[SE2], log: GlassLog) -> list[SE2]:
+    """Return the true poses of a graph's nodes."""
     at = {int(ns): pose for ns, pose in zip(log.scan_ns, truth, strict=True)}
-    nodes = [at[frame.stamp_ns] for frame in closer.frames]
-    loops = [edge for edge in closer.edges if edge.is_loop]
+    return [at[frame.stamp_ns] for frame in closer.frames]
+
+
+def num_false(
+    closer: LoopCloser, truth: list[SE2], log: GlassLog, wrong: FalseLoops | None = None
+) -> int:
+    """Return how many loops that a graph found itself are wrong, those slipped in not counted."""
+    nodes = true_nodes(closer, truth, log)
+    loops = [e for e in closer.edges if e.is_loop and not (wrong and wrong.is_made(e))]
     off = [e.T_first_second.between(nodes[e.first].between(nodes[e.second])) for e in loops]
     return sum(o.distance > FALSE_M or abs(o.yaw) > FALSE_RAD for o in off)
 
@@ -122,7 +136,7 @@ def _all_scans(log: GlassLog) -> Found:
 def _closed(log: GlassLog, wrong: FalseLoops | None) -> tuple[Found, Found, LoopCloser]:
     """Return poses before and after closing loops; wrong ones are slipped in on the way."""
     localizer = LoopClosingLocalizer(GridMapperConfig())
-    poses, trusted = [], []
+    poses, trusted, covs = [], [], []
     for k in range(len(log.scan_ns)):
         event = log.scan(k)
         result = localizer.insert_scan(
@@ -130,12 +144,13 @@ def _closed(log: GlassLog, wrong: FalseLoops | None) -> tuple[Found, Found, Loop
         )
         poses.append(result.T_map_base)
         trusted.append(result.is_trusted)
+        covs.append(result.cov)
         if wrong is not None:
             wrong.slip_in(localizer.closer, (k + 1) / len(log.scan_ns))
     localizer.closer.finish()
     known = localizer.known_poses()
     after = Found([pose.T_map_base for pose in known], [pose.is_trusted for pose in known])
-    return Found(poses, trusted), after, localizer.closer
+    return Found(poses, trusted, covs), after, localizer.closer
 
 
 def _judged(
