@@ -50,6 +50,7 @@ def test_a_pose_is_found_followed_by_one_pair_and_given_up(
     assert not heard.poses
 
     heard.see_until(robot, heard.says(OK, "known"), HERE, odometry)
+    heard.see_until(robot, lambda: bool(heard.poses and heard.candidates), HERE, odometry)
     assert is_near(heard.poses[-1], HERE, NEAR_M, NEAR_RAD) and heard.candidates[-1].poses
     assert heard.poses[-1].header.frame_id == "map"
     assert stamp_to_ns(heard.poses[-1].header.stamp) % FRAME_NS == 0

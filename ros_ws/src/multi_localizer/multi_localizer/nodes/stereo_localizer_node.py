@@ -33,14 +33,12 @@ from multi_localizer.nodes.stamped_input import StampedInput
 from multi_localizer.nodes.state_log import StateLog
 from multi_localizer.nodes.stereo_map import load_map
 from multi_localizer.nodes.stereo_report import StereoReport
-from multi_localizer.nodes.stereo_view_input import DISPARITY, LEFT, StereoViewInput
+from multi_localizer.nodes.stereo_views import Seen, StereoViews
 from multi_localizer.pose_estimate import PoseEstimate
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
 from multi_localizer.stereo_localizer_node_config import StereoLocalizerNodeConfig
 from multi_localizer.stereo_moments import StereoMoments
 from multi_localizer.stereo_pose import StereoPose, StereoState
-from multi_localizer.stereo_view import StereoView
-from multi_localizer.voxel_view import ViewCamera
 
 
 class StereoLocalizerNode(FloornavNode):
@@ -49,7 +47,7 @@ class StereoLocalizerNode(FloornavNode):
     def __init__(self) -> None:
         """Declare, load the map, subscribe, compile, and say ready."""
         super().__init__("stereo_localizer")
-        config = self._config = declare_config(self, StereoLocalizerNodeConfig)
+        config = declare_config(self, StereoLocalizerNodeConfig)
         method = declare_config(self, StereoLocalizerConfig, on_change=self._tune)
         self._voxels = load_map(self, config.map_file)
         threads = int(self.get_parameter("num_threads").value)
@@ -60,15 +58,11 @@ class StereoLocalizerNode(FloornavNode):
         self._outputs = LocalizerOutputs(self, "stereo_pose", config.publish_tf)
         self._candidates = create_publisher(self, PoseArray, "stereo_pose/candidates", RELIABLE_QOS)
         self._odometry = OdometryFallback(self) if config.use_odom else None
-        target = self.frames.odom if config.use_odom else self.frames.base
-        self._inputs = {
-            name: StereoViewInput(self, name, config, target, self._seen.add)
-            for name in config.pairs
-        }
-        watchdogs = {name: one.watchdog for name, one in self._inputs.items()}
+        self._pairs = StereoViews(self, config, self._seen.add)
         self._report = StereoReport(
-            watchdogs, self._outputs, self._seen.groups, self._worker, lambda: self._moments.doing
-        )
+            self._pairs.watchdogs, self._outputs, self._seen.groups, self._worker,
+            lambda: self._moments.doing,
+        )  # fmt: skip
         self.diagnostics.add("stereo pose", self._report.status)
         self._log = StateLog(self, self._report.status)
         self.time.on_look(self._look)
@@ -100,50 +94,32 @@ class StereoLocalizerNode(FloornavNode):
             self._outputs.stop_tf()
 
     def _take(self, stamp_ns: int, group: dict[str, Any]) -> None:
-        parts = (DISPARITY, LEFT)
-        whole = [n for n in self._inputs if all(f"{n}/{part}" in group for part in parts)]
-        if not whole:
-            self._report.note_single(group)
-            return
         try:
-            seen = self._views(whole, group)
+            seen = self._pairs.seen(group, self._voxels.farthest_m)
         except (ValueError, TransformUnavailable) as error:
             self._report.refuse(str(error))
             return
-        self._worker.offer(partial(self._locate, self._generation, stamp_ns, *seen))
+        if seen is None:
+            self._report.note_single(group)
+            return
+        self._worker.offer(partial(self._locate, self._generation, stamp_ns, seen))
 
-    def _locate(
-        self, generation: int, stamp_ns: int, cameras: dict[str, ViewCamera],
-        views: dict[str, StereoView], T_odom_base: SE2 | None,
-    ) -> None:  # fmt: skip
+    def _locate(self, generation: int, stamp_ns: int, seen: Seen) -> None:
         started = time.perf_counter()
         try:
-            found = self._moments.locate(stamp_ns, cameras, views, T_odom_base)
+            found = self._moments.locate(stamp_ns, seen.cameras, seen.views, seen.T_odom_base)
         except ValueError as error:
             self._report.refuse(str(error))
             return
         if found is None or generation != self._generation:
             return
-        self._report.note(found, list(views), 1e3 * (time.perf_counter() - started))
-        self._publish(ns_to_stamp(stamp_ns), found, T_odom_base)
+        self._report.note(found, list(seen.views), 1e3 * (time.perf_counter() - started))
+        self._publish(ns_to_stamp(stamp_ns), found, seen.T_odom_base)
         refusal, news = self._moments.take_refusal(), self._moments.take_news()
         if refusal:
             self.get_logger().warning(f"initialpose refused: {refusal}")
         if news:
             self.get_logger().info(news)
-
-    def _views(
-        self, whole: list[str], group: dict[str, Any]
-    ) -> tuple[dict[str, ViewCamera], dict[str, StereoView], SE2 | None]:
-        cameras, views, T_odom_base = {}, {}, None
-        for name in whole:
-            (msg, T_target_camera), left = (group[f"{name}/{part}"] for part in (DISPARITY, LEFT))
-            camera, T_base_camera = self._inputs[name].camera(msg)
-            far = self._voxels.farthest_m
-            cameras[name], views[name] = camera, self._inputs[name].view(msg, left, camera, far)
-            if self._config.use_odom:
-                T_odom_base = (T_target_camera @ T_base_camera.inverse()).to_se2()
-        return cameras, views, T_odom_base
 
     def _publish(self, stamp: Any, found: StereoPose, T_odom_base: SE2 | None) -> None:
         if found.state is StereoState.KNOWN:
