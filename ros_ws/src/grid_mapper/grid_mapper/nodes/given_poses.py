@@ -15,11 +15,9 @@ from floornav_common.transform3 import Transform3
 from floornav_common.transform_errors import TransformUnavailable
 from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.nodes.jump_watch import JumpWatch
 from grid_mapper.nodes.scan_input import ScanInput
-from grid_mapper.pose_jumps import Jump, PoseJumps
 from grid_mapper.sonar_mount import level_sonar
-
-JUMP_SHOWN_NS = 10_000_000_000
 
 
 class GivenPoses:
@@ -38,9 +36,9 @@ class GivenPoses:
         warn: Callable[[str], None],
     ) -> None:
         """Subscribe to scans, where there is a laser."""
-        self._node, self._mapper, self._config, self._warn = node, mapper, config, warn
+        self._node, self._mapper, self._warn = node, mapper, warn
         self.sonar_frame = node.frames.map
-        self._jumps = PoseJumps()
+        self._jumps = JumpWatch(node, config, warn)
         self.forget()
         self._scans: ScanInput | None = None
         if config.use_scan:
@@ -50,17 +48,15 @@ class GivenPoses:
 
     def configure(self, config: GridMapperNodeConfig) -> None:
         """Go on with other values."""
-        self._config = config
+        self._jumps.config = config
         if self._scans is not None:
             self._scans.set_timeout(config.scan_timeout_s)
 
     def forget(self) -> None:
         """Begin anew."""
         self.newest_ns: int | None = None
-        self._num_mapped = self._num_jumps = 0
-        self._is_jumping = False
-        self._jumped: tuple[int, Jump] | None = None
-        self._jumps.clear()
+        self._num_mapped = 0
+        self._jumps.forget()
 
     def lose(self) -> None:
         """Do nothing: the pose is somebody else's."""
@@ -84,7 +80,7 @@ class GivenPoses:
             return
         T_map_base = (T_map_sonar @ T_base_sonar.inverse()).to_se2()
         pose = level_sonar(T_base_sonar)
-        if self._is_steady(stamp_ns, T_map_base):
+        if self._jumps.is_steady(stamp_ns, T_map_base):
             self._mapper.place_range(stamp_ns, reading, pose, sensor, T_map_base)
             self._note(stamp_ns)
 
@@ -92,60 +88,29 @@ class GivenPoses:
         """Return whether there is input, and whether its poses jumped of late."""
         values = {
             "inputs mapped": self._num_mapped,
-            "jumps of the pose": self._num_jumps,
+            "jumps of the pose": self._jumps.num_jumps,
             "map (MB)": f"{self._mapper.num_bytes / 1e6:.1f}",
         }
         if self._scans is not None and not self._scans.is_fresh:
             return Status(STALE, "no scans with a pose in the map frame", values)
-        if self._jumped is not None:
-            at_ns, jump = self._jumped
-            if self._node.time.steady_ns() - at_ns < JUMP_SHOWN_NS:
-                return Status(WARN, f"the given pose jumped by {_words(jump)}", values)
+        if self._jumps.late_jump:
+            return Status(WARN, f"the given pose jumped by {self._jumps.late_jump}", values)
         if not self._num_mapped:
             return Status(STALE, "no input with a pose in the map frame", values)
         return Status(OK, "poses are taken from TF", values)
 
     def _on_scan(self, stamp: Any, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
         stamp_ns = messages.stamp_to_ns(stamp)
-        if self._is_steady(stamp_ns, T_map_base):
+        if self._jumps.is_steady(stamp_ns, T_map_base):
             self._mapper.place_scan(stamp_ns, scan, T_base_laser, T_map_base)
             self._note(stamp_ns)
 
-    def _is_steady(self, stamp_ns: int, T_map_base: SE2) -> bool:
-        """Tell whether the pose goes on from the last; say so if it jumped."""
-        jump = self._jumps.jump(stamp_ns, T_map_base, self._odometry(stamp_ns))
-        config = self._config
-        was_jumping, self._is_jumping = (
-            self._is_jumping,
-            (jump.distance > config.max_pose_jump_m or jump.turn > config.max_pose_jump_rad),
-        )
-        if not self._is_jumping:
-            return True
-        self._num_jumps += not was_jumping
-        self._jumped = (self._node.time.steady_ns(), jump)
-        self._warn(
-            f"the given pose jumped by {_words(jump)}: not mapped at the jump; what was mapped "
-            "before may lie elsewhere now, ~/reset forgets it"
-        )
-        return False
-
-    def _odometry(self, stamp_ns: int) -> SE2 | None:
-        frames = self._node.frames
-        try:
-            return self._node.transforms.buffer.lookup(frames.odom, frames.base, stamp_ns).to_se2()
-        except (TransformUnavailable, ValueError):
-            return None
-
     def _restart(self) -> None:
         """Begin anew in the map that is there: stamps jumped back."""
-        self.newest_ns, self._is_jumping = None, False
-        self._jumps.clear()
+        self.newest_ns = None
+        self._jumps.restart()
         self._mapper.break_motion()
 
     def _note(self, stamp_ns: int) -> None:
         self._num_mapped += 1
         self.newest_ns = max(stamp_ns, self.newest_ns or 0)
-
-
-def _words(jump: Jump) -> str:
-    return f"{jump.distance:.2f} m and {jump.turn:.2f} rad"

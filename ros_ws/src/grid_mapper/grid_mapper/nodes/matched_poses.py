@@ -8,7 +8,7 @@ from typing import Any
 
 from floornav_common.readings import RangeReading
 from floornav_common.ros import messages
-from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
+from floornav_common.ros.diagnostics import Status
 from floornav_common.ros.map_to_odom import MapToOdom
 from floornav_common.ros.node import FloornavNode
 from floornav_common.ros.odometry import OdometryFallback
@@ -21,6 +21,7 @@ from grid_mapper.layers import LayeredMapper
 from grid_mapper.match_verdict import ScanResult
 from grid_mapper.nodes.initial_pose import InitialPose
 from grid_mapper.nodes.lost_robot import LostRobot
+from grid_mapper.nodes.match_report import MatchReport
 from grid_mapper.nodes.pose_outputs import PoseOutputs
 from grid_mapper.nodes.scan_input import ScanInput
 from grid_mapper.recovery import Recovery
@@ -53,6 +54,7 @@ class MatchedPoses:
         closing = mapper if isinstance(mapper, ClosingMapper) else None
         self._outputs = PoseOutputs(node, closing)
         self.publish_path = self._outputs.publish_path
+        self._report = MatchReport(self._lost, has_odom=config.use_odom)
         self.forget()
         self._odometry = OdometryFallback(node) if config.use_odom else None
         self._tf = MapToOdom(node) if config.use_odom and config.publish_tf else None
@@ -71,8 +73,7 @@ class MatchedPoses:
         """Begin anew, with no pose and no trajectory."""
         self._tracking = Tracking()
         self._outputs.forget()
-        self._num_scans, self._num_trusted, self._worst_ms = 0, 0, 0.0
-        self._reason, self._note = "no scan yet", ""
+        self._report.forget()
         self._lost.begin()
 
     def lose(self) -> None:
@@ -95,25 +96,8 @@ class MatchedPoses:
 
     def status(self) -> Status:
         """Return whether scans fit the map."""
-        values = {
-            "scans": self._num_scans,
-            "trusted": self._num_trusted,
-            "longest scan (ms)": f"{self._worst_ms:.1f}",
-            "map (MB)": f"{self._mapper.num_bytes / 1e6:.1f}",
-            "found again": self._lost.num_found,
-        }
-        if not self._scans.is_fresh:
-            return Status(STALE, "no scans: pose and map->odom are not sent", values)
-        if self._lost.is_looked_for:
-            return Status(ERROR, f"lost, looking for it: {self._lost.reason}", values)
-        if self._tracking.is_lost:
-            return Status(ERROR, f"lost: {self._reason}", values)
-        if self._reason:
-            return Status(WARN, f"newest scan not trusted: {self._reason}", values)
-        if self._note:
-            judge = "odometry decides" if self._config.use_odom else "nothing else does either"
-            return Status(WARN, f"{self._note}; {judge}", values)
-        return Status(OK, "every scan fits the map", values)
+        is_fresh, is_lost = self._scans.is_fresh, self._tracking.is_lost
+        return self._report.status(self._mapper.num_bytes, is_fresh=is_fresh, is_lost=is_lost)
 
     def _on_scan(self, stamp: Any, scan: Scan, T_base_laser: SE2, T_target_base: SE2) -> None:
         stamp_ns = messages.stamp_to_ns(stamp)
@@ -121,14 +105,11 @@ class MatchedPoses:
         started = time.perf_counter()
         self._lost.look(scan, T_base_laser, T_odom_base)
         result = self._mapper.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
-        self._worst_ms = max(self._worst_ms, 1e3 * (time.perf_counter() - started))
+        self._report.note(result, 1e3 * (time.perf_counter() - started))
         self._take(result, stamp, T_odom_base)
 
     def _take(self, result: ScanResult, stamp: Any, T_odom_base: SE2 | None) -> None:
         """Publish the pose of a scan, unless the robot is lost."""
-        self._num_scans += 1
-        self._num_trusted += result.is_trusted
-        self._reason, self._note = result.reason, result.note
         stamp_ns, lost_after_s = messages.stamp_to_ns(stamp), self._config.lost_after_s
         self._tracking.update(stamp_ns, result.is_trusted, lost_after_s)
         is_lost = self._tracking.is_lost
