@@ -108,10 +108,10 @@ class RingRobot(Robot):
         truth = self.truth[0].between(self.truth[k])
         return truth.between(pose_to_se2(self.poses[-1].pose.pose)).distance
 
-    def loops(self) -> dict[str, int]:
+    def loops(self) -> dict[str, float]:
         """Return the newest counts that the node said of its loops."""
         said = statuses(self.said, "loops")
-        newest = {v.key: int(v.value) for v in said[-1].values} if said else {}
+        newest = {v.key: float(v.value) for v in said[-1].values} if said else {}
         return {"loops closed": 0, "maps made anew": 0, **newest}
 
     def revisit_error(self) -> float:

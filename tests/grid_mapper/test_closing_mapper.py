@@ -1,7 +1,7 @@
 """Mapping live with loops closed behind its back, without ROS."""
 
 from collections import deque
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -11,9 +11,10 @@ from worlds import scan_at
 from floornav_common.grid import OCCUPIED
 from floornav_common.readings import RangeReading
 from floornav_common.se2 import SE2
+from grid_mapper import loop_link, loop_session
 from grid_mapper.background import InlineWorker
 from grid_mapper.closing_mapper import ClosingMapper
-from grid_mapper.config import GridMapperConfig, LoopConfig
+from grid_mapper.config import GridMapperConfig, LoopConfig, RelocationConfig
 from grid_mapper.corrections import Corrections
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_localizer import LoopClosingLocalizer
@@ -131,6 +132,18 @@ def test_the_maps_change_count_grows_with_every_swap_and_reset_forgets_all():
     assert results[-1].is_trusted
 
 
+def test_values_set_while_it_runs_hold_for_maps_made_anew_and_the_loops_are_read_only(monkeypatch):
+    made = []
+    monkeypatch.setattr(loop_session, "LayeredMapper", lambda c: made.append(c) or LayeredMapper(c))
+    mapper = closing()
+    drive([mapper], 20)
+    label = replace(CONFIG.label, no_return_free_m=0.0)
+    mapper.reconfigure(replace(CONFIG, label=label))
+    drive([mapper], 150, first=1000)
+    assert mapper.num_swaps > 0 and {config.label for config in made} == {label}
+    assert all(f.metadata["read_only"] for f in (*fields(LoopConfig), *fields(RelocationConfig)))
+
+
 def test_a_robot_moved_by_hand_goes_on_where_it_is_said_to_be():
     mapper = closing()
     truth, _ = drive([mapper], 40)
@@ -152,3 +165,34 @@ def test_what_was_said_before_a_jump_in_time_is_found_again_at_the_first_pose():
     assert all(r.is_trusted for r in results[2:])
     expected = [truth[0].between(pose) for pose in truth[2:]]
     assert largest_error([r.T_map_base for r in results[2:]], expected) < 0.2
+
+
+class HeldWorker(InlineWorker):
+    """Gives no answer while it is held."""
+
+    is_held = True
+
+    def receive(self):
+        return None if self.is_held else super().receive()
+
+
+def test_a_background_that_is_too_slow_is_given_up_until_reset_and_mapping_goes_on(monkeypatch):
+    monkeypatch.setattr(loop_link, "MAX_PENDING", 60)
+    work = LoopSession(CONFIG)
+    worker = HeldWorker(work)
+    mapper, alone = ClosingMapper(CONFIG, worker), closing(10**9)
+    drive([mapper, alone], 110)  # the first lap
+    assert "until ~/reset" in mapper.failure
+    num_known = len(work._closer.frames)
+    worker.is_held = False  # it catches up too late
+    _, results = drive([mapper, alone], 150, first=1000)
+    assert "until ~/reset" in mapper.failure and len(work._closer.frames) == num_known
+    cells = on_cells_of(mapper.layers().occupancy, alone.layers().occupancy)
+    assert np.array_equal(cells, alone.layers().occupancy.cells)
+    assert all(
+        a.T_map_base == b.T_map_base for a, b in zip(results[::2], results[1::2], strict=True)
+    )
+    mapper.reset()
+    drive([mapper], 20, first=10_000)
+    assert mapper.failure == "" and 0 < mapper.graph.num_nodes <= 20
+    assert len(work._closer.frames) == mapper.node + 1

@@ -12,6 +12,7 @@ import queue
 import signal
 import subprocess
 import sys
+import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
@@ -59,6 +60,11 @@ class Worker(Protocol):
         """Why nothing is done any more; "" while all is well."""
         ...
 
+    @property
+    def longest_read_ms(self) -> float:
+        """The longest that an answer took to be read: meanwhile no other thread goes on."""
+        ...
+
     def close(self) -> None:
         """End it."""
         ...
@@ -67,7 +73,7 @@ class Worker(Protocol):
 class InlineWorker:
     """Does all work at once, where it is sent: for runs that have to come out the same."""
 
-    failure = ""
+    failure, longest_read_ms = "", 0.0
 
     def __init__(self, work: Work) -> None:
         self._work = work
@@ -100,7 +106,7 @@ class ProcessWorker:
     """
 
     def __init__(self, make_work: Callable[..., Work], *args: Any) -> None:
-        self.failure = ""
+        self.failure, self.longest_read_ms = "", 0.0
         self._is_closing = False
         self._answers: deque[Any] = deque()
         self._messages: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -150,8 +156,11 @@ class ProcessWorker:
         stream = self._process.stdout
         assert stream is not None
         with stream:
-            while (answer := read_message(stream)) is not None:
-                self._answers.append(answer)
+            while (data := _read_data(stream)) is not None:
+                started = time.thread_time()
+                self._answers.append(pickle.loads(data))
+                took_ms = 1e3 * (time.thread_time() - started)
+                self.longest_read_ms = max(self.longest_read_ms, took_ms)
         code = self._process.wait()
         if not self._is_closing:
             self.failure = f"the process in the background has ended with code {code}"
@@ -167,12 +176,17 @@ def write_message(stream: IO[bytes], message: Any) -> None:
 
 def read_message(stream: IO[bytes]) -> Any | None:
     """Return the next message; None at the end."""
+    data = _read_data(stream)
+    return None if data is None else pickle.loads(data)
+
+
+def _read_data(stream: IO[bytes]) -> bytes | None:
     head = stream.read(_LENGTH_BYTES)
     if len(head) < _LENGTH_BYTES:
         return None
     size = int.from_bytes(head, "little")
     data = stream.read(size)
-    return pickle.loads(data) if len(data) == size else None
+    return data if len(data) == size else None
 
 
 def serve(source: IO[bytes], sink: IO[bytes]) -> None:

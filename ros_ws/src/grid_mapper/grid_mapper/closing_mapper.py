@@ -1,15 +1,13 @@
 """A live mapper that closes loops: poses and maps at once, corrected from the background.
 
 Every scan is followed by the front end and mapped at its pose as the graph had it last. What maps
-are made from goes to the background too (`LoopSession`). Maps made anew there hold all but the
-newest events; these are mapped a few with each scan, and once none is left the new maps take the
-place of the old, and the new correction that of the old.
+are made from goes to the background too (`LoopSession`). Maps made anew there take the place
+of the old ones, and the new correction that of the old, once they are up to now (`LoopLink`).
 """
 
 from __future__ import annotations
 
 import time
-from collections import deque
 from dataclasses import astuple, replace
 
 import numpy as np
@@ -21,22 +19,17 @@ from grid_mapper.background import Worker
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.corrections import NO_NODE, Corrections
 from grid_mapper.front_end import FrontEnd, in_map
-from grid_mapper.kept_events import Kept, KeptReading, KeptScan, ReadingsToKeep
+from grid_mapper.kept_events import KeptReading, KeptScan, ReadingsToKeep
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.layers import LayeredMapper, SonarCounts
 from grid_mapper.layers_moment import Layers, LayersMoment
-from grid_mapper.loop_session import GraphState, Rebuilt, Restart, map_events
+from grid_mapper.loop_link import LoopLink
+from grid_mapper.loop_session import GraphState, Rebuilt
 from grid_mapper.match_verdict import ScanResult
 from grid_mapper.motion import rotated
 from grid_mapper.opaque_cells import APART
 from grid_mapper.placed_readings import PlacedReadings
 from grid_mapper.surface_points import SurfacePoints, points_of
-
-REPLAY_S = 0.01
-"""Time taken with each scan to bring maps made anew up to now."""
-REPLAYED_AT_ONCE = 5
-MAX_PENDING = 50_000
-"""Events that the background may be behind; then it is given up."""
 
 
 class ClosingMapper:
@@ -44,26 +37,27 @@ class ClosingMapper:
 
     Attributes:
         config: Its values; change them with `reconfigure`.
-        graph: How the graph was when last heard of.
+        link: To the background.
         corrections: What poses are corrected by; another object after each correction.
         node: The newest node.
         num_swaps: How often maps made anew took the place of the old.
+        longest_wait_ms: The longest that a scan waited for news of the background to be taken.
     """
 
     def __init__(self, config: GridMapperConfig, worker: Worker) -> None:
-        self.config, self._worker = config, worker
-        self._num_events = self._num_changes_before = 0
+        self.config, self.link = config, LoopLink(worker)
+        self._num_changes_before, self.longest_wait_ms = 0, 0.0
         self._empty()
 
     def reset(self) -> None:
         """Forget the maps, the pose and the graph."""
-        self._worker.send(Restart(self._num_events, self.config))
-        self._num_events += 1
+        self.link.restart(self.config)
         self._empty()
 
     def reconfigure(self, config: GridMapperConfig) -> None:
-        """Go on with other values; the background goes on with those it began with."""
+        """Go on with other values; those of `loop` stay as they were."""
         self.config = config
+        self.link.reconfigure(config)
         self._front.reconfigure(config)
         self._maps.reconfigure(config)
 
@@ -71,7 +65,7 @@ class ClosingMapper:
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
     ) -> ScanResult:
         """Localize and map one scan; see `LayeredMapper.insert_scan`."""
-        self._take_answers()
+        self._take_news()
         scan = self.config.clipped(scan)
         result, is_node = self._front.follow(stamp_ns, scan, T_base_laser, T_odom_base)
         if result.is_trusted:
@@ -148,20 +142,23 @@ class ClosingMapper:
         return self._front.num_bytes + self._maps.num_bytes
 
     @property
-    def num_behind(self) -> int:
-        """Events that the background has not answered to."""
-        return len(self._pending)
+    def graph(self) -> GraphState:
+        """How the graph was when last heard of."""
+        return self.link.graph
 
     @property
     def failure(self) -> str:
         """Why no loops are closed any more; "" while they are."""
-        if len(self._pending) >= MAX_PENDING:
-            return "closing loops takes longer than driving: given up"
-        return self._worker.failure
+        return self.link.failure
+
+    @property
+    def longest_hold_up_ms(self) -> float:
+        """The longest that a scan can have waited: for news, behind an answer being read."""
+        return self.longest_wait_ms + self.link.longest_read_ms
 
     def close(self) -> None:
         """End the background."""
-        self._worker.close()
+        self.link.close()
 
     def _keep_scan(
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, result: ScanResult, is_node: bool
@@ -176,22 +173,19 @@ class ClosingMapper:
         self._maps.place_scan(stamp_ns, scan, T_base_laser, self._T_map_local @ pose)
         if is_node or is_apart:
             seen = (scan, T_base_laser, pose, self.node, is_node, result.information)
-            self._send(KeptScan(self._num_events, stamp_ns, *seen))
+            self.link.send(KeptScan, stamp_ns, *seen)
         self._place_readings()
 
     def _empty(self) -> None:
         """Begin with empty maps, at the first pose of all."""
         config = self.config
-        self.graph, self.num_swaps = GraphState(-1), 0
+        self.num_swaps = 0
         self.corrections = Corrections.of([], [])
         self.node = NO_NODE
         self._T_map_local = SE2.identity()
         self._front, self._maps = FrontEnd(config), LayeredMapper(config)
-        self._coming: tuple[Rebuilt, deque[Kept]] | None = None
-        self._pending: deque[Kept] = deque()
         self._readings, self._to_keep = PlacedReadings(), ReadingsToKeep(config.bayes)
         self._apart, self._counts_before = KeyScans(), SonarCounts()
-        self._first_number = self._num_events
         self._first_seen: list[tuple[SurfacePoints, SE2]] = []
 
     def _place_readings(self) -> None:
@@ -200,43 +194,17 @@ class ClosingMapper:
             place = (w.T_base_sonar, w.sensor, self._T_map_local @ pose)
             self._maps.place_range(w.stamp_ns, w.reading, *place)
             if self._to_keep.take(w.stamp_ns, w.reading, pose, w.sensor):
-                seen = (w.reading, w.T_base_sonar, pose, self.node, w.sensor)
-                self._send(KeptReading(self._num_events, w.stamp_ns, *seen))
+                seen = (w.stamp_ns, w.reading, w.T_base_sonar, pose, self.node, w.sensor)
+                self.link.send(KeptReading, *seen)
 
-    def _send(self, event: Kept) -> None:
-        self._num_events += 1
-        if self.failure:
-            return
-        self._worker.send(event)
-        self._pending.append(event)
-        if self._coming is not None:
-            self._coming[1].append(event)
-
-    def _take_answers(self) -> None:
-        """Take what the background has to say, and go on bringing new maps up to now."""
-        while (answer := self._worker.receive()) is not None:
-            if answer.number < self._first_number:
-                continue  # of what was forgotten since
-            while self._pending and self._pending[0].number <= answer.number:
-                self._pending.popleft()
-            if isinstance(answer, GraphState):
-                self.graph = answer
-            else:
-                self._coming = (answer, deque(self._pending))
-        if self._coming is not None:
-            self._replay(*self._coming)
-
-    def _replay(self, rebuilt: Rebuilt, events: deque[Kept]) -> None:
-        until = time.perf_counter() + REPLAY_S
-        while events and time.perf_counter() < until:
-            some = [events.popleft() for _ in range(min(REPLAYED_AT_ONCE, len(events)))]
-            map_events(rebuilt.mapper, some, rebuilt.corrections)
-        if not events:
+    def _take_news(self) -> None:
+        started = time.perf_counter()
+        if (rebuilt := self.link.take()) is not None:
             self._swap(rebuilt)
+        self.longest_wait_ms = max(self.longest_wait_ms, 1e3 * (time.perf_counter() - started))
 
     def _swap(self, rebuilt: Rebuilt) -> None:
         """Let the new maps and the new correction take the place of the old."""
-        self._coming = None
         self.num_swaps += 1
         new = rebuilt.mapper
         self._num_changes_before = self.num_changes + 1 - new.num_changes

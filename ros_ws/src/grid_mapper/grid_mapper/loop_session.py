@@ -36,6 +36,13 @@ class Restart:
 
 
 @dataclass(frozen=True)
+class Retune:
+    """Says to make maps by another configuration from now on; the graph keeps its own."""
+
+    config: GridMapperConfig
+
+
+@dataclass(frozen=True)
 class GraphState:
     """How the graph is.
 
@@ -86,10 +93,13 @@ class LoopSession:
         self._number = self._rebuilt_number = -1
         self._has_moved = False
 
-    def take(self, event: Kept | Restart) -> Answer | None:
+    def take(self, event: Kept | Restart | Retune) -> Answer | None:
         """Take an event; a node's, and every so many, are answered with how the graph is."""
         if isinstance(event, Restart):
             self._restart(event.config)
+            return None
+        if isinstance(event, Retune):
+            self._config = event.config
             return None
         self._archive.add(event)
         self._number = event.number

@@ -11,6 +11,7 @@ Services: `~/save_map`, `~/reset` (Trigger).
 
 from __future__ import annotations
 
+import gc
 import sys
 
 from std_srvs.srv import Trigger
@@ -64,7 +65,18 @@ class GridMapperNode(FloornavNode):
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_timer(config.map_period_s, self._publish_map)
         self.diagnostics.add("mapping", self._poses.status)
-        self.ready(lambda: compile_kernels(mapper_config.fusion, has_loops=has_own_poses))
+        self.ready(lambda: self._prepare(mapper_config.fusion, has_loops=has_own_poses))
+
+    @staticmethod
+    def _prepare(fusion: str, *, has_loops: bool) -> None:
+        """Compile, and keep all that is there by now from being gone through for garbage again.
+
+        Else each full collection goes through some 100 000 objects of what was imported, and a
+        scan waits for it.
+        """
+        compile_kernels(fusion, has_loops=has_loops)
+        gc.collect()
+        gc.freeze()
 
     def destroy_node(self) -> None:
         """Let no map be made while publishers go."""

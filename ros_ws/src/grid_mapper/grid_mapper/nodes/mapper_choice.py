@@ -55,7 +55,8 @@ def loop_status(mapper: ClosingMapper) -> Status:
         "loops closed": graph.num_loops,
         "candidates refused": graph.num_refused,
         "maps made anew": mapper.num_swaps,
-        "events behind": mapper.num_behind,
+        "events behind": mapper.link.num_behind,
+        "longest hold-up of a scan (ms)": f"{mapper.longest_hold_up_ms:.1f}",
     }
     if mapper.failure:
         return Status(WARN, f"loops are closed no longer: {mapper.failure}", values)
