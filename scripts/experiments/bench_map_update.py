@@ -101,11 +101,11 @@ class _PlainTrace:
     def place(self, scan, pose) -> None:  # type: ignore[no-untyped-def]
         """Prepare the beams of a scan; not part of what is timed."""
         beams = beams_of(scan, pose, NO_RETURN_M)
-        ends = beams.origin + beams.ranges[:, None] * np.column_stack(
+        ends = beams.origins + beams.ranges[:, None] * np.column_stack(
             (np.cos(beams.angles), np.sin(beams.angles))
         )
         half = DENSE_CELLS // 2
-        self._start = (beams.origin / RESOLUTION_M + half).astype(np.int64)
+        self._start = (beams.origins[0] / RESOLUTION_M + half).astype(np.int64)
         self._ends = (ends / RESOLUTION_M + half).astype(np.int64)
 
     def trace(self) -> None:

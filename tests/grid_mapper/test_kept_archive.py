@@ -87,3 +87,11 @@ def test_a_robot_that_stands_keeps_as_many_readings_as_weigh():
     assert keep.take(10, RangeReading(1.5, 0.3, 0.1, 4.0), HERE, "left")
     assert keep.take(11, same, SE2(0.03, 0.0, 0.0), "left")
     assert keep.take(12, same, HERE, "right")
+
+
+def test_the_motion_of_a_sweep_is_kept():
+    archive = KeptArchive()
+    seen = Scan(np.array([1.0, 2.0]), 0.0, 0.1, 0.1, 30.0, -0.01, (0.1, 0.2, 0.3))
+    archive.add(KeptScan(0, 0, seen, HERE, HERE, -1, False, None))
+    back = all_of(archive)[0].scan
+    assert (back.time_increment, back.twist) == (-0.01, (0.1, 0.2, 0.3))

@@ -208,16 +208,19 @@ def test_a_beam_angle_of_a_right_angle_is_refused():
 def test_cells_without_a_tile_are_skipped():
     labels, points = np.zeros((2, 64, 64), np.int8), np.zeros((2, 64, 64), np.uint16)
     table, corner = np.array([[0]], np.int32), np.zeros(2, np.int64)
-    origin, ranges = np.array([0.5, 0.5]), np.array([100.0])
+    origins, ranges = np.array([[0.5, 0.5]]), np.array([100.0])
     hit = np.array([True])
-    sample_sectors(origin, np.zeros(1), ranges, hit, 0.1, 1.0, labels, points, table, corner)
+    sample_sectors(origins, np.zeros(1), ranges, hit, 0.1, 1.0, labels, points, table, corner)
     assert labels[0].any()
     assert not labels[1].any() and not points[1].any()
 
 
 def test_rays_of_a_sector_leave_no_point_of_it_aside():
-    angles, lengths = sector_rays(np.array([0.3, 1.0]), np.array([10.0, 500.0]), 0.15)
+    origins = np.array([[1.0, 2.0], [3.0, 4.0]])
+    rays = sector_rays(origins, np.array([0.3, 1.0]), np.array([10.0, 500.0]), 0.15)
+    begins, angles, lengths = rays
     assert angles[0] == pytest.approx(0.3) and lengths[0] == 10.0
+    assert begins[0].tolist() == [1.0, 2.0] and (begins[1:] == [3.0, 4.0]).all()
     second, reach = angles[1:], SIDE_CELLS / 500.0
     assert np.diff(second).max() <= 2.0 * reach
     assert second[0] - 0.85 <= reach and 1.15 - second[-1] <= reach

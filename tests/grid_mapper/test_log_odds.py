@@ -84,6 +84,6 @@ def test_cells_without_a_tile_are_skipped():
     table, corner = np.array([[0]], np.int32), np.zeros(2, np.int64)
     steps = np.float32(-0.4), np.float32(0.8), np.float32(3.0)
     end, hit = np.array([100.0]), np.array([True])
-    trace_rays(np.array([0.5, 0.5]), np.zeros(1), end, hit, *steps, values, table, corner)
+    trace_rays(np.array([[0.5, 0.5]]), np.zeros(1), end, hit, *steps, values, table, corner)
     assert np.count_nonzero(values[0]) == 64
     assert not values[1].any()

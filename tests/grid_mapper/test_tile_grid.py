@@ -59,9 +59,10 @@ def test_every_point_of_every_ray_has_its_tile(x, y, seed):
     angles = np.sort(rng.uniform(-np.pi, np.pi, 40))
     lengths = rng.uniform(0.0, 600.0, 40)
     grid = TileGrid(0.05, value=(np.int8, ()))
-    grid.ensure_rays(origin, angles, lengths)
+    origins = np.tile(origin, (len(angles), 1))
+    grid.ensure_rays(origins, angles, lengths)
     ends = lengths[:, None] * np.column_stack((np.cos(angles), np.sin(angles)))
     points = (origin + np.linspace(0.0, 1.0, 200)[:, None, None] * ends).reshape(-1, 2)
     cells = np.floor(points[:, ::-1]).astype(np.int64)
     assert all(find_slot(grid.table, grid.corner, r, c) >= 0 for r, c in cells)
-    assert len(missing_on_rays(origin, angles, lengths, grid.table, grid.corner)) == 0
+    assert len(missing_on_rays(origins, angles, lengths, grid.table, grid.corner)) == 0

@@ -28,18 +28,36 @@ def scan_at(
     """Return a full-turn scan; exact unless `rng` is given."""
     increment = FULL_TURN / num_beams
     angles = pose.yaw - np.pi + increment * np.arange(num_beams)
+    ranges = ranges_to(walls, np.array([[pose.x, pose.y]]), angles)
+    if rng is not None:
+        ranges = ranges + rng.normal(0.0, sigma, num_beams)
+    ranges[ranges > range_max] = np.inf
+    return Scan(ranges, -np.pi, increment, 0.05, range_max)
+
+
+def ranges_to(walls: np.ndarray, origins: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Return how far beams go, shape (N,); they begin at `origins`, shape (N, 2) or (1, 2)."""
     d = np.column_stack((np.cos(angles), np.sin(angles)))[:, None, :]
-    a, e = walls[None, :, :2] - [pose.x, pose.y], (walls[:, 2:] - walls[:, :2])[None]
+    a, e = walls[None, :, :2] - origins[:, None, :], (walls[:, 2:] - walls[:, :2])[None]
     with np.errstate(divide="ignore", invalid="ignore"):
         cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
         t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
         u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
     hit = (t > 0.0) & (u >= -1e-12) & (u <= 1.0 + 1e-12)
-    ranges = np.where(hit, t, np.inf).min(axis=1)
-    if rng is not None:
-        ranges = ranges + rng.normal(0.0, sigma, num_beams)
+    return np.asarray(np.where(hit, t, np.inf).min(axis=1))
+
+
+def swept_scan(
+    poses: list[SE2], walls: np.ndarray, time_increment: float, rng: np.random.Generator,
+    sigma: float = 0.01, range_max: float = 30.0,
+) -> Scan:  # fmt: skip
+    """Return a full-turn scan of which each beam is taken from a pose of its own."""
+    increment = FULL_TURN / len(poses)
+    at = np.array([pose.as_array() for pose in poses])
+    angles = at[:, 2] - np.pi + increment * np.arange(len(poses))
+    ranges = ranges_to(walls, at[:, :2], angles) + rng.normal(0.0, sigma, len(poses))
     ranges[ranges > range_max] = np.inf
-    return Scan(ranges, -np.pi, increment, 0.05, range_max)
+    return Scan(ranges, -np.pi, increment, 0.05, range_max, time_increment)
 
 
 def moved_walls(T: SE2, walls: np.ndarray) -> np.ndarray:

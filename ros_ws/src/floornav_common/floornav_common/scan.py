@@ -6,10 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from floornav_common.twists import Twist, steady_offsets
+
 
 @dataclass(frozen=True)
 class Scan:
     """One sweep of a planar range finder, in its own frame (REP 117).
+
+    A sensor that moves while it sweeps sees each beam from another place. With its `twist` known,
+    angles, origins and points are seen from where it was at the first beam: a turn adds to the
+    angle from beam to beam, all else to where beams begin.
 
     Attributes:
         ranges: Shape (N,), m. `+inf` nothing within range, `-inf` too near, NaN not measured.
@@ -18,6 +24,7 @@ class Scan:
         range_min: Shortest range that is a measurement, m.
         range_max: Longest range that is a measurement, m.
         time_increment: Time between beams, s; 0 if all are taken at once.
+        twist: Of the sensor during the sweep, see `twists`; None where that is not known, or none.
     """
 
     ranges: np.ndarray
@@ -26,11 +33,30 @@ class Scan:
     range_min: float
     range_max: float
     time_increment: float = 0.0
+    twist: Twist | None = None
+
+    @property
+    def angle_step(self) -> float:
+        """Bearing step from beam to beam in the frame of the first, rad."""
+        if self.twist is None:
+            return self.angle_increment
+        return self.angle_increment + self.twist[2] * self.time_increment
 
     @property
     def angles(self) -> np.ndarray:
         """Bearing of each beam, shape (N,), rad."""
-        return self.angle_min + self.angle_increment * np.arange(len(self.ranges))
+        return self.angle_min + self.angle_step * np.arange(len(self.ranges))
+
+    @property
+    def sweep_s(self) -> float:
+        """Time from the first to the last beam, s."""
+        return self.time_increment * max(len(self.ranges) - 1, 0)
+
+    def origins(self) -> np.ndarray | None:
+        """Return where each beam begins, shape (N, 2), m; None if all do at (0, 0)."""
+        if self.twist is None:
+            return None
+        return steady_offsets(self.twist, self.time_increment * np.arange(len(self.ranges)))
 
     @property
     def is_hit(self) -> np.ndarray:
@@ -44,4 +70,6 @@ class Scan:
         """Return the obstacle points in the sensor frame, shape (M, 2), m."""
         hit = self.is_hit
         ranges, angles = self.ranges[hit], self.angles[hit]
-        return np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
+        points = np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
+        origins = self.origins()
+        return points if origins is None else points + origins[hit]

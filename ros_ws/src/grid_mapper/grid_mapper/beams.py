@@ -13,17 +13,17 @@ from floornav_common.se2 import SE2
 
 @dataclass(frozen=True)
 class Beams:
-    """Beams with one origin.
+    """Beams with their origins.
 
     Attributes:
-        origin: Of the sensor in the map frame, shape (2,), m.
+        origins: Where the sensor was at each, in the map frame, shape (N, 2), m.
         angles: Directions in the map frame, shape (N,), rad.
         ranges: Measured ranges, or the length known to be free, shape (N,), m.
         is_hit: True where the range is an obstacle, shape (N,).
         angle_increment: Between neighbouring beams, > 0, rad.
     """
 
-    origin: np.ndarray
+    origins: np.ndarray
     angles: np.ndarray
     ranges: np.ndarray
     is_hit: np.ndarray
@@ -39,12 +39,17 @@ def beams_of(scan: Scan, T_map_laser: SE2, no_return_free_m: float) -> Beams:
         no_return_free_m: Length that a beam without return (`+inf`, REP 117) shows to be free,
             at most the scan's range_max; 0 leaves such beams out.
     """
-    angles, ranges, is_hit = _usable_beams(
-        scan.ranges, T_map_laser.yaw + scan.angle_min, scan.angle_increment,
+    angles, ranges, is_hit, number = _usable_beams(
+        scan.ranges, T_map_laser.yaw + scan.angle_min, scan.angle_step,
         scan.range_min, scan.range_max, min(no_return_free_m, scan.range_max),
     )  # fmt: skip
-    origin = np.array([T_map_laser.x, T_map_laser.y])
-    return Beams(origin, angles, ranges, is_hit, abs(scan.angle_increment))
+    moved = scan.origins()
+    if moved is None:
+        origins = np.empty((len(angles), 2))
+        origins[:] = T_map_laser.x, T_map_laser.y
+    else:
+        origins = T_map_laser @ moved[number]
+    return Beams(origins, angles, ranges, is_hit, abs(scan.angle_step))
 
 
 @numba.njit(cache=True)
@@ -52,12 +57,13 @@ def _usable_beams(  # type: ignore[no-untyped-def]
     measured, first, increment, range_min, range_max, free
 ):
     angles, ranges = np.empty(len(measured)), np.empty(len(measured))
-    is_hit = np.empty(len(measured), np.bool_)
+    is_hit, number = np.empty(len(measured), np.bool_), np.empty(len(measured), np.int64)
     num = 0
     for i in range(len(measured)):
         r = measured[i]
         hit = range_min <= r <= range_max and 0.0 < r < np.inf
         if hit or (r == np.inf and free > 0.0):
             angles[num], ranges[num], is_hit[num] = first + i * increment, r if hit else free, hit
+            number[num] = i
             num += 1
-    return angles[:num], ranges[:num], is_hit[:num]
+    return angles[:num], ranges[:num], is_hit[:num], number[:num]

@@ -30,6 +30,7 @@ from grid_mapper.motion import rotated
 from grid_mapper.opaque_cells import APART
 from grid_mapper.placed_readings import PlacedReadings
 from grid_mapper.surface_points import SurfacePoints, points_of
+from grid_mapper.sweeps import SweepOrder
 
 
 class ClosingMapper:
@@ -66,7 +67,8 @@ class ClosingMapper:
     ) -> ScanResult:
         """Localize and map one scan; see `LayeredMapper.insert_scan`."""
         self._take_news()
-        scan = self.config.clipped(scan)
+        clipped = self.config.clipped(scan)
+        scan = self._front.deskewed(stamp_ns, clipped, T_base_laser, T_odom_base)
         result, is_node = self._front.follow(stamp_ns, scan, T_base_laser, T_odom_base)
         if result.is_trusted:
             self._keep_scan(stamp_ns, scan, T_base_laser, result, is_node)
@@ -121,6 +123,11 @@ class ClosingMapper:
     def layers(self) -> Layers:
         """Return all maps as they stand."""
         return self.moment().layers()
+
+    @property
+    def sweeps(self) -> SweepOrder:
+        """In which order the beams of a scan are taken."""
+        return self._front.sweeps
 
     @property
     def num_changes(self) -> int:

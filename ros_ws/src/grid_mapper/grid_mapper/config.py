@@ -207,6 +207,13 @@ class GridMapperConfig:
         "live node does so in the background. False matches to all key scans instead.",
         read_only=True,
     )
+    deskew: str = param(
+        "auto",
+        "Order of the beams in time, where time_increment says that they follow each other: with "
+        "it each is moved by the robot's motion to where the scan's stamp has it. `auto` learns it "
+        "from the first turns (not with `pose_source` tf), `none` takes all as of one moment.",
+        choices=("auto", "first_to_last", "last_to_first", "none"), read_only=True,
+    )  # fmt: skip
     loop: LoopConfig = field(default_factory=LoopConfig)
     relocation: RelocationConfig = field(default_factory=RelocationConfig)
     match_key: KeyScanConfig = field(default_factory=KeyScanConfig)

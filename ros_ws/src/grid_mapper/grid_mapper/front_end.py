@@ -17,6 +17,7 @@ from grid_mapper.match_verdict import ScanResult
 from grid_mapper.motion import rotated
 from grid_mapper.recent_scans import RecentScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
+from grid_mapper.sweeps import SweepOrder
 
 
 class FrontEnd:
@@ -35,6 +36,17 @@ class FrontEnd:
         self._key = KeyScanConfig(
             distance_m=loop.node_distance_m, turn_rad=loop.node_turn_rad, period_s=0.0
         )
+
+    @property
+    def sweeps(self) -> SweepOrder:
+        """In which order the beams of a scan are taken."""
+        return self._localizer.sweeps
+
+    def deskewed(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> Scan:
+        """Return a scan as seen from one place; see `ScanLocalizer.deskewed`."""
+        return self._localizer.deskewed(stamp_ns, scan, T_base_laser, T_odom_base)
 
     def follow(
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None

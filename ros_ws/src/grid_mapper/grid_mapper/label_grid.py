@@ -47,11 +47,11 @@ class LabelGrid:
         """
         grid = self._grid
         half_angle = self._half_angle(beams)
-        origin, ranges = beams.origin / grid.resolution, beams.ranges / grid.resolution
+        origins, ranges = beams.origins / grid.resolution, beams.ranges / grid.resolution
         tolerance = self.config.range_tolerance_m / grid.resolution
-        grid.ensure_rays(origin, *sector_rays(beams.angles, ranges + tolerance, half_angle))
+        grid.ensure_rays(*sector_rays(origins, beams.angles, ranges + tolerance, half_angle))
         sample_sectors(
-            origin, beams.angles, ranges, beams.is_hit, half_angle, tolerance,
+            origins, beams.angles, ranges, beams.is_hit, half_angle, tolerance,
             grid.fields["labels"], grid.fields["points"], grid.table, grid.corner,
         )  # fmt: skip
 
@@ -104,15 +104,16 @@ class LabelGrid:
 
 
 def sector_rays(
-    angles: np.ndarray, lengths: np.ndarray, half_angle: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return rays (angles, lengths) so dense that no point of a sector is `RAY_CELLS` from one."""
+    origins: np.ndarray, angles: np.ndarray, lengths: np.ndarray, half_angle: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return rays (origins, angles, lengths): no point of a sector is `RAY_CELLS` from all."""
     if not len(lengths) or half_angle * lengths.max() <= RAY_CELLS:
-        return angles, lengths
+        return origins, angles, lengths
     num = np.maximum(1, np.ceil(lengths * (half_angle / RAY_CELLS))).astype(np.int64)
     first = np.repeat(np.cumsum(num) - num, num)
     share = (2.0 * (np.arange(num.sum()) - first) + 1.0) / np.repeat(num, num) - 1.0
-    return np.repeat(angles, num) + half_angle * share, np.repeat(lengths, num)
+    angles = np.repeat(angles, num) + half_angle * share
+    return np.repeat(origins, num, axis=0), angles, np.repeat(lengths, num)
 
 
 def remove_noise(
@@ -160,12 +161,12 @@ def _without_holes(unknown: np.ndarray, hole_cells: int) -> np.ndarray:
 
 @numba.njit(cache=True)
 def sample_sectors(  # type: ignore[no-untyped-def]
-    origin, angles, ranges, is_hit, half_angle, tolerance, labels, points, table, corner
+    origins, angles, ranges, is_hit, half_angle, tolerance, labels, points, table, corner
 ):
     """Label the cells of every beam's sector (glass paper, 4.1 and Fig. 1); lengths are in cells.
 
     Args:
-        origin: (x, y) of the sensor, shape (2,), cells.
+        origins: (x, y) of the sensor at each beam, shape (N, 2), cells.
         angles: Of the beams, map frame, shape (N,), rad.
         ranges: Measured, or free length where nothing was hit, shape (N,), cells.
         is_hit: False for beams that only say free, shape (N,).
@@ -183,7 +184,8 @@ def sample_sectors(  # type: ignore[no-untyped-def]
             near = np.inf
         # u is the axis the beam runs along, v the other; centres of cells are whole numbers
         is_flat = abs(np.cos(angles[i])) >= abs(np.sin(angles[i]))
-        ou, ov = (origin[0], origin[1]) if is_flat else (origin[1], origin[0])
+        x, y = origins[i, 0], origins[i, 1]
+        ou, ov = (x, y) if is_flat else (y, x)
         angle = angles[i] if is_flat else 0.5 * np.pi - angles[i]
         _sample_sector(
             ou - 0.5, ov - 0.5, is_flat, angle, half_angle, near * near, far,

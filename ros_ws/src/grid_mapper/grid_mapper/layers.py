@@ -95,6 +95,7 @@ class LayeredMapper:
             T_base_laser: Pose of the laser on the robot.
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
+        scan = self.laser.deskewed(stamp_ns, scan, T_base_laser, T_odom_base)
         result = self.laser.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
         if result.is_trusted:
             self._took_scan(stamp_ns, scan, T_base_laser, result.T_map_base)

@@ -6,44 +6,31 @@ and judged; key scans are added to that map.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
+from grid_mapper.dead_reckoning import Step, is_reset, motion_since
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.match_verdict import ScanResult, blind, is_found, objection, undetermined
-from grid_mapper.motion import odometry_motion, rotated, steady_motion, updated_velocity
+from grid_mapper.motion import updated_velocity
 from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
+from grid_mapper.sweeps import SweepOrder, sweep_twist
 
 # How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
 VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
 MIN_VARIANCE = 1e-8
-RESET_SLACK_S = 0.5  # logs stamp scans that badly
 LOST = "where in the map the robot is is not known"
 
 
-@dataclass(frozen=True)
-class _Step:
-    """State after a scan, from which the next is predicted.
-
-    `cov` is that of the pose in the map; `cov_near` counts only what came since the last trusted
-    scan, for the map round the robot was made by poses that share all error before that.
-    """
-
-    stamp_ns: int
-    T_map_base: SE2
-    T_odom_base: SE2 | None
-    cov: np.ndarray
-    cov_near: np.ndarray
-    velocity: np.ndarray
-
-
 class ScanLocalizer:
-    """Turns scans into poses in the map that they make."""
+    """Turns scans into poses in the map that they make.
+
+    Attributes:
+        sweeps: In which order the beams of a scan are taken.
+    """
 
     def __init__(
         self, config: GridMapperConfig, T_map_start: SE2 | None = None,
@@ -65,13 +52,29 @@ class ScanLocalizer:
         self._is_lost = False
         self._first_pose: SE2 | None = None
         self._guesses: list[SE2] = []  # where the robot may be after a jump; empty if it knows
-        self._last: _Step | None = None
+        self._last: Step | None = None
         self._keys = KeyScans()
+        self.sweeps = SweepOrder()
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Go on with other values; those marked read-only stay as they were."""
         self.config = config
         self._matcher.config = config.matcher
+
+    def deskewed(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> Scan:
+        """Return a scan as all of it was seen from where the robot was at its stamp.
+
+        Args: see `localize`, which takes what this returns.
+        """
+        if scan.time_increment == 0.0 or scan.twist is not None:
+            return scan
+        self.sweeps.note(stamp_ns, scan)
+        motion = self.config.motion
+        moved, _, dt = motion_since(self._last, stamp_ns, T_odom_base, motion)
+        twist = sweep_twist(moved, dt, motion)
+        return self.sweeps.deskewed(scan, T_base_laser, twist, self.config.deskew)
 
     def localize(
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
@@ -85,11 +88,12 @@ class ScanLocalizer:
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
         points = points_of(scan, T_base_laser, self.config.matcher)
-        if self._is_reset(stamp_ns, T_odom_base):
+        motion = self.config.motion
+        if is_reset(self._last, stamp_ns, T_odom_base, motion):
             self.break_motion()
         if self._last is None and not self._matcher.is_empty:
             self._begin_in_map(stamp_ns)
-        moved, cov_moved, dt = self._motion(stamp_ns, T_odom_base)
+        moved, cov_moved, dt = motion_since(self._last, stamp_ns, T_odom_base, motion)
         if self._is_lost:
             result, near = self._follow(moved, cov_moved), np.diag(VAGUE_SIGMAS**2)
         elif self._matcher.is_empty:
@@ -100,6 +104,8 @@ class ScanLocalizer:
             result, near = self._track(points, moved, cov_moved)
         pose = result.T_map_base
         if result.is_trusted:
+            if scan.time_increment > 0.0 and scan.twist is None:
+                self._learn_order(scan, T_base_laser, moved, near, dt)
             near = np.zeros((3, 3))
             if self._keys.take(stamp_ns, pose, self.config.match_key) and not self._is_frozen:
                 self._matcher.insert(points, pose)
@@ -120,7 +126,7 @@ class ScanLocalizer:
         if self._last is None:
             self._T_map_start, self._start_cov = T_map_base, cov
         else:
-            self._last = _Step(self._last.stamp_ns, T_map_base, None, cov, cov, np.zeros(3))
+            self._last = Step(self._last.stamp_ns, T_map_base, None, cov, cov, np.zeros(3))
 
     def lose(self) -> None:
         """Follow odometry alone, and believe no scan until `relocate`: the robot is anywhere."""
@@ -146,33 +152,11 @@ class ScanLocalizer:
         """Bytes held by the map to match to."""
         return self._matcher.num_bytes
 
-    def _is_reset(self, stamp_ns: int, T_odom_base: SE2 | None) -> bool:
-        """Tell whether odometry jumped by more than a robot can move."""
-        last = self._last
-        if T_odom_base is None or last is None or last.T_odom_base is None:
-            return False
-        moved, motion = last.T_odom_base.between(T_odom_base), self.config.motion
-        dt = abs(stamp_ns - last.stamp_ns) * 1e-9 + RESET_SLACK_S
-        return moved.distance > motion.max_speed * dt or abs(moved.yaw) > motion.max_turn_rate * dt
-
-    def _motion(self, stamp_ns: int, T_odom_base: SE2 | None) -> tuple[SE2, np.ndarray, float]:
-        """Return the motion since the last scan, its covariance in map axes, the time passed."""
-        last = self._last
-        if last is None:
-            return SE2.identity(), np.zeros((3, 3)), 0.0
-        dt = max(0.0, (stamp_ns - last.stamp_ns) * 1e-9)
-        if T_odom_base is not None and last.T_odom_base is not None:
-            moved = last.T_odom_base.between(T_odom_base)
-            cov = odometry_motion(moved, self.config.motion)
-        else:
-            moved, cov = steady_motion(last.velocity, dt, self.config.motion)
-        return moved, rotated(cov, last.T_map_base.yaw), dt
-
     def _begin_in_map(self, stamp_ns: int) -> None:
         """Begin where the robot was said to be in a map that is there."""
         cov = np.diag(VAGUE_SIGMAS**2) if self._start_cov is None else self._start_cov
         start = self._first_pose = self._T_map_start
-        self._last = _Step(stamp_ns, start, None, cov, cov, np.zeros(3))
+        self._last = Step(stamp_ns, start, None, cov, cov, np.zeros(3))
 
     def _follow(self, moved: SE2, cov_moved: np.ndarray) -> ScanResult:
         """Go on by odometry."""
@@ -210,6 +194,22 @@ class ScanLocalizer:
         pose, information = match.T_map_base, match.information
         return ScanResult(pose, cov, True, "", match.overlap, note, information), near
 
+    def _learn_order(
+        self, scan: Scan, T_base_laser: SE2, moved: SE2, near: np.ndarray, dt: float
+    ) -> None:
+        """Learn the order of the beams from how either fits at the prediction."""
+        if self._last is None or self.config.deskew != "auto":
+            return
+        T_pred = self._last.T_map_base @ moved
+
+        def fit(swept: Scan) -> float:
+            points = points_of(swept, T_base_laser, self.config.matcher)
+            match = self._matcher.match(points, T_pred, near)
+            return match.overlap * match.agreement
+
+        twist = sweep_twist(moved, dt, self.config.motion)
+        self.sweeps.learn(scan, T_base_laser, twist, fit)
+
     def _search(self, points: SurfacePoints, moved: SE2) -> ScanResult:
         """Look for the robot where it may be; believe only a scan that fits the map well."""
         cov = np.diag(VAGUE_SIGMAS**2)
@@ -232,4 +232,4 @@ class ScanLocalizer:
         if last is not None:
             moved = last.T_map_base.between(result.T_map_base)
             velocity = updated_velocity(last.velocity, moved, dt, self.config.motion)
-        self._last = _Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, near, velocity)
+        self._last = Step(stamp_ns, result.T_map_base, T_odom_base, result.cov, near, velocity)

@@ -35,10 +35,10 @@ class LogOddsGrid:
         """Trace beams given in the map frame."""
         grid, config = self._grid, self.config
         steps = [np.float32(log_odds(p)) for p in (config.p_miss, config.p_hit, config.p_max)]
-        origin, ranges = beams.origin / grid.resolution, beams.ranges / grid.resolution
-        grid.ensure_rays(origin, beams.angles, ranges)
+        origins, ranges = beams.origins / grid.resolution, beams.ranges / grid.resolution
+        grid.ensure_rays(origins, beams.angles, ranges)
         trace_rays(
-            origin, beams.angles, ranges, beams.is_hit, *steps,
+            origins, beams.angles, ranges, beams.is_hit, *steps,
             grid.fields["log_odds"], grid.table, grid.corner,
         )  # fmt: skip
 
@@ -75,12 +75,12 @@ def log_odds(p: float) -> float:
 
 @numba.njit(cache=True)
 def trace_rays(  # type: ignore[no-untyped-def]
-    origin, angles, ranges, is_hit, miss, hit, limit, values, table, corner
+    origins, angles, ranges, is_hit, miss, hit, limit, values, table, corner
 ):
     """Walk every ray cell by cell (Bresenham 1965); lengths are in cells.
 
     Args:
-        origin: Of the sensor, shape (2,), cells.
+        origins: Of the rays, shape (N, 2), cells.
         angles: Of the rays, shape (N,), rad.
         ranges: Their lengths, shape (N,), cells.
         is_hit: False for rays that end in free space, shape (N,).
@@ -91,11 +91,11 @@ def trace_rays(  # type: ignore[no-untyped-def]
         table: See TileGrid.
         corner: See TileGrid.
     """
-    start_col, start_row = int(np.floor(origin[0])), int(np.floor(origin[1]))
     for i in range(len(angles)):
-        end_col = int(np.floor(origin[0] + ranges[i] * np.cos(angles[i])))
-        end_row = int(np.floor(origin[1] + ranges[i] * np.sin(angles[i])))
-        col, row = start_col, start_row
+        x, y = origins[i, 0], origins[i, 1]
+        end_col = int(np.floor(x + ranges[i] * np.cos(angles[i])))
+        end_row = int(np.floor(y + ranges[i] * np.sin(angles[i])))
+        col, row = int(np.floor(x)), int(np.floor(y))
         num_cols, num_rows = abs(end_col - col), abs(end_row - row)
         step_col, step_row = (1 if end_col > col else -1), (1 if end_row > row else -1)
         error = num_cols - num_rows

@@ -18,16 +18,21 @@ from grid_mapper.corrections import Corrections
 from grid_mapper.front_end import FrontEnd, key_frame
 from grid_mapper.loop_closer import LoopCloser
 from grid_mapper.match_verdict import ScanResult
+from grid_mapper.sweeps import Sweep, SweepOrder, sweep_of
 
 
 @dataclass(frozen=True)
 class _Followed:
-    """A scan's pose by the front end, and the newest node then; `NO_NODE` before the first."""
+    """A scan's pose by the front end, and the newest node then; `NO_NODE` before the first.
+
+    `sweep` is the motion with which it was matched.
+    """
 
     T_local_base: SE2
     node: int
     is_trusted: bool
     reason: str
+    sweep: Sweep | None
 
 
 @dataclass(frozen=True)
@@ -38,11 +43,13 @@ class KnownPose:
         T_map_base: Pose of the robot.
         is_trusted: False where the scan's match was refused.
         reason: Why.
+        sweep: Motion of the sensor with which the scan was matched; None without.
     """
 
     T_map_base: SE2
     is_trusted: bool
     reason: str
+    sweep: Sweep | None = None
 
 
 class LoopClosingLocalizer:
@@ -59,6 +66,11 @@ class LoopClosingLocalizer:
         self.closer = LoopCloser(config)
 
     @property
+    def sweeps(self) -> SweepOrder:
+        """In which order the beams of a scan are taken."""
+        return self._front.sweeps
+
+    @property
     def num_scans(self) -> int:
         """Scans taken so far."""
         return len(self._followed)
@@ -67,14 +79,15 @@ class LoopClosingLocalizer:
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
     ) -> ScanResult:
         """Localize one scan; see `ScanLocalizer.localize`. The pose is in the front end's frame."""
-        scan = self.config.clipped(scan)
+        scan = self._front.deskewed(stamp_ns, self.config.clipped(scan), T_base_laser, T_odom_base)
         result, is_node = self._front.follow(stamp_ns, scan, T_base_laser, T_odom_base)
         pose = result.T_map_base
         if is_node:
             seen = (stamp_ns, scan, T_base_laser, pose, result.information)
             self.closer.add(key_frame(*seen, self.config))
         node = len(self.closer.frames) - 1
-        self._followed.append(_Followed(pose, node, result.is_trusted, result.reason))
+        outcome = (result.is_trusted, result.reason, sweep_of(scan))
+        self._followed.append(_Followed(pose, node, *outcome))
         return result
 
     def insert_range(
@@ -115,6 +128,6 @@ class LoopClosingLocalizer:
             np.array([scan.T_local_base.as_array() for scan in scans]).reshape(-1, 3),
         )
         return [
-            KnownPose(SE2(*pose), scan.is_trusted, scan.reason)
+            KnownPose(SE2(*pose), scan.is_trusted, scan.reason, scan.sweep)
             for pose, scan in zip(poses.tolist(), scans, strict=True)
         ]

@@ -18,6 +18,7 @@ from grid_mapper.map_run import MapRun, run_mapper
 from grid_mapper.recordings import Recording
 from grid_mapper.session_files import save_session
 from grid_mapper.session_run import TakenUp, first_scans
+from grid_mapper.sweeps import SweepOrder
 
 OnScan = Callable[[MapRun], None]
 
@@ -46,11 +47,13 @@ class ClosedRun:
         run: Its trajectory is that of the solved graph.
         mapper: Holds the grids.
         closer: Holds the graph.
+        sweeps: In which order the beams of a scan were taken.
     """
 
     run: MapRun
     mapper: LayeredMapper
     closer: LoopCloser
+    sweeps: SweepOrder
 
 
 def run_closing(
@@ -95,7 +98,7 @@ def run_closing(
     run.is_interrupted |= found.is_interrupted
     both = zip(found.scan_ms, run.scan_ms[-len(found.scan_ms) :], strict=False)
     run.scan_ms = [first + second for first, second in both]
-    return ClosedRun(run, mapper, localizer.closer)
+    return ClosedRun(run, mapper, localizer.closer, localizer.sweeps)
 
 
 def _save(path: Path, localizer: LoopClosingLocalizer, events: Recording) -> str | None:

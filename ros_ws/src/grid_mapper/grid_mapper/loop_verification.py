@@ -149,7 +149,7 @@ def seen_through(frame: KeyFrame, points: SurfacePoints) -> float:
     return float(
         _share_seen_through(
             np.ascontiguousarray(seen.points), np.ascontiguousarray(seen.normals), scan.ranges,
-            scan.angle_min, scan.angle_increment, scan.range_max, SEEN_THROUGH_M,
+            scan.angle_min, scan.angle_step, scan.range_max, SEEN_THROUGH_M,
         )
     )  # fmt: skip
 

@@ -165,7 +165,9 @@ def _run(
     if not (config.loop_closing and recording.has_laser):
         mapper = LayeredMapper(config)
         with Progress("mapping", total, is_quiet=args.quiet) as progress:
-            return run_mapper(recording, mapper, args.max_scans, _shown(progress, total)), mapper
+            run = run_mapper(recording, mapper, args.max_scans, _shown(progress, total))
+        summary.update(beam_order=mapper.laser.sweeps.words(config.deskew) or None)
+        return run, mapper
     total = total if sessions.before is None else None
     passes = 2 * total if total is not None else None
     with Progress("mapping", passes, is_quiet=args.quiet) as progress:
@@ -174,6 +176,7 @@ def _run(
             (_shown(progress, passes), _shown(progress, passes, total or 0)), sessions,
         )  # fmt: skip
     summary.update(loop_figures(closed.closer))
+    summary.update(beam_order=closed.sweeps.words(config.deskew) or None)
     return closed.run, closed.mapper
 
 

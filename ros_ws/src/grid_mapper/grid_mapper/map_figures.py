@@ -78,6 +78,8 @@ def screen_text(summary: dict[str, Any]) -> str:
             f"time per scan: median {s['ms_median']:.2f} ms, p99 {s['ms_p99']:.2f} ms;"
             f" memory at most {s['peak_mb']:.0f} MB"
         )
+    if s["beam_order"]:
+        lines.append(f"beams of a scan: {s['beam_order']}")
     if s["loops"] is not None:
         lines.append(_loop_line(s))
     odd = {

@@ -9,6 +9,7 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_localizer import KnownPose
+from grid_mapper.sweeps import with_sweep
 
 
 class MapRebuild:
@@ -30,7 +31,8 @@ class MapRebuild:
         known = self._poses[self._next]
         self._next += 1
         if known.is_trusted:
-            self._mapper.follow_scan(stamp_ns, scan, T_base_laser, known.T_map_base)
+            seen = with_sweep(scan, known.sweep)
+            self._mapper.follow_scan(stamp_ns, seen, T_base_laser, known.T_map_base)
         return known
 
     def insert_range(

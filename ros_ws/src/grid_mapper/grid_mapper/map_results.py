@@ -36,7 +36,7 @@ SUMMARY_KEYS = (
     "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
     "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
     "relations_used", "relations_total", "relations_worst", "relations_published", "ate_m",
-    "rpe_m", "gt_poses",
+    "rpe_m", "gt_poses", "beam_order",
     "nodes", "loops", "loops_refused", "ms_median", "ms_p99", "ms_max", "real_time_factor",
     "ms_per_range_median", "ms_per_range_p99", "peak_mb",
     "input", "input_format", "input_info", "problem",

@@ -16,6 +16,7 @@ from grid_mapper.map_surfaces import surfaces_of
 from grid_mapper.match_verdict import ScanResult
 from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.start_map import StartMap, known_cells
+from grid_mapper.sweeps import SweepOrder
 
 
 class GridMapper:
@@ -82,11 +83,22 @@ class GridMapper:
             T_base_laser: Pose of the laser on the robot.
             T_odom_base: Odometry at the stamp; None to expect steady motion instead.
         """
-        scan = self.clipped(scan)
+        scan = self.deskewed(stamp_ns, self.clipped(scan), T_base_laser, T_odom_base)
         result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
         if result.is_trusted:
             self._map(stamp_ns, scan, result.T_map_base, T_base_laser)
         return result
+
+    def deskewed(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
+    ) -> Scan:
+        """Return a scan as seen from one place; see `ScanLocalizer.deskewed`."""
+        return self._localizer.deskewed(stamp_ns, scan, T_base_laser, T_odom_base)
+
+    @property
+    def sweeps(self) -> SweepOrder:
+        """In which order the beams of a scan are taken."""
+        return self._localizer.sweeps
 
     def place_scan(self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_map_base: SE2) -> None:
         """Map one scan at a pose that another localizer knows, if the robot has moved on."""

@@ -59,16 +59,17 @@ class OpaqueCells:
         grid = self._grid
         beams = beams_of(scan, T_map_laser, config.no_return_free_m)
         steps = [np.float32(log_odds(p)) for p in (config.p_miss, config.p_hit, config.p_max)]
-        origin, ranges = beams.origin / grid.resolution, beams.ranges / grid.resolution
-        grid.ensure_rays(origin, beams.angles, ranges)
+        origins, ranges = beams.origins / grid.resolution, beams.ranges / grid.resolution
+        grid.ensure_rays(origins, beams.angles, ranges)
         trace_rays(
-            origin, beams.angles, ranges, beams.is_hit, *steps,
+            origins, beams.angles, ranges, beams.is_hit, *steps,
             grid.fields["log_odds"], grid.table, grid.corner,
         )  # fmt: skip
         hit = beams.is_hit
         count_hits(
-            origin, beams.angles[hit], ranges[hit], grid.fields["hits"], grid.table, grid.corner
-        )
+            origins[hit], beams.angles[hit], ranges[hit], grid.fields["hits"], grid.table,
+            grid.corner,
+        )  # fmt: skip
 
     def frozen(self) -> OpaqueCells:
         """Return the cells as they stand, for another thread to read; see `TileGrid.frozen`."""
@@ -95,11 +96,11 @@ class OpaqueCells:
 
 
 @numba.njit(cache=True)
-def count_hits(origin, angles, ranges, hits, table, corner):  # type: ignore[no-untyped-def]
+def count_hits(origins, angles, ranges, hits, table, corner):  # type: ignore[no-untyped-def]
     """Count where beams end, lengths in cells; see `trace_rays`."""
     for i in range(len(angles)):
-        col = int(np.floor(origin[0] + ranges[i] * np.cos(angles[i])))
-        row = int(np.floor(origin[1] + ranges[i] * np.sin(angles[i])))
+        col = int(np.floor(origins[i, 0] + ranges[i] * np.cos(angles[i])))
+        row = int(np.floor(origins[i, 1] + ranges[i] * np.sin(angles[i])))
         slot = find_slot(table, corner, row, col)
         r, c = row & TILE_MASK, col & TILE_MASK
         if slot >= 0 and hits[slot, r, c] < MAX_HITS:

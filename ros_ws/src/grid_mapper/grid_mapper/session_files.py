@@ -20,22 +20,23 @@ from typing import Any
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
-from grid_mapper import localizer, loop_localizer
+from grid_mapper import loop_localizer
 from grid_mapper.config import GridMapperConfig
+from grid_mapper.dead_reckoning import Step
 from grid_mapper.key_frames import Edge, KeyFrame
 from grid_mapper.loop_localizer import LoopClosingLocalizer
 from grid_mapper.recordings.events import Event, RangeEvent, ScanEvent
 from grid_mapper.session_codec import packed, unpacked
 from grid_mapper.surface_points import SurfacePoints
 
-FORMAT, VERSION = "floornav mapping session", 2
+FORMAT, VERSION = "floornav mapping session", 3
 EVENTS_A_PART = 500
 LEFT_OUT = frozenset({"config", "_key", "_solver"})
 """Attributes that follow from the parameters or from the rest."""
 KINDS: dict[str, type] = {
     kind.__name__: kind
     for kind in (
-        SE2, Scan, SurfacePoints, KeyFrame, Edge, ScanEvent, RangeEvent, localizer._Step,
+        SE2, Scan, SurfacePoints, KeyFrame, Edge, ScanEvent, RangeEvent, Step,
         loop_localizer._Followed,
     )
 }  # fmt: skip

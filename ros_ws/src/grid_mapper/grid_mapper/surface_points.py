@@ -79,7 +79,7 @@ def surface_points(
 def points_of(scan: Scan, T_base_laser: SE2, matcher: ScanMatcherConfig) -> SurfacePoints:
     """Return the points of a scan in the base frame, as they are matched."""
     points = surface_points(
-        scan.points(), np.zeros(2), scan.angle_increment, matcher.range_sigma_m,
+        scan.points(), np.zeros(2), scan.angle_step, matcher.range_sigma_m,
         0.5 * matcher.cell_m,
     )  # fmt: skip
     return points.moved(T_base_laser)

@@ -60,9 +60,9 @@ class TileGrid:
         self.table[new[:, 0], new[:, 1]] = np.arange(self.num_tiles, self.num_tiles + len(new))
         self.num_tiles += len(new)
 
-    def ensure_rays(self, origin: np.ndarray, angles: np.ndarray, lengths: np.ndarray) -> None:
+    def ensure_rays(self, origins: np.ndarray, angles: np.ndarray, lengths: np.ndarray) -> None:
         """Make the tiles along straight rays exist; see `missing_on_rays`."""
-        self.ensure_tiles(missing_on_rays(origin, angles, lengths, self.table, self.corner))
+        self.ensure_tiles(missing_on_rays(origins, angles, lengths, self.table, self.corner))
 
     def write(self, name: str, cells: np.ndarray, values: np.ndarray) -> None:
         """Set one field of cells (row, col), shape (N, 2), int64, to values, shape (N,)."""
@@ -157,12 +157,12 @@ def missing_tiles(cells: np.ndarray, table: np.ndarray, corner: np.ndarray) -> n
 
 @numba.njit(cache=True)
 def missing_on_rays(  # type: ignore[no-untyped-def]
-    origin, angles, lengths, table, corner
+    origins, angles, lengths, table, corner
 ):
     """Return the tiles that straight rays can touch and `table` has not; lengths are in cells.
 
     Args:
-        origin: (x, y) where the rays start, shape (2,), cells.
+        origins: (x, y) where each ray starts, shape (N, 2), cells.
         angles: Their directions, shape (N,), rad.
         lengths: Their lengths, shape (N,), cells.
         table: See TileGrid.
@@ -172,14 +172,15 @@ def missing_on_rays(  # type: ignore[no-untyped-def]
         (tile row, tile col), shape (M, 2), int64; a tile may come more than once.
     """
     tiles = np.empty((0, 2), np.int64)
-    last_x, last_y = np.inf, np.inf
+    last_x = last_y = last_x0 = last_y0 = np.inf
     for i in range(len(angles)):
-        x = origin[0] + lengths[i] * np.cos(angles[i])
-        y = origin[1] + lengths[i] * np.sin(angles[i])
-        # rays that end side by side touch the same tiles
-        if abs(x - last_x) + abs(y - last_y) > NEAR_CELLS:
-            last_x, last_y = x, y
-            for row, col in _tiles_on_ray(origin[0], origin[1], x, y):
+        x0, y0 = origins[i]
+        x, y = x0 + lengths[i] * np.cos(angles[i]), y0 + lengths[i] * np.sin(angles[i])
+        # rays that begin and end side by side touch the same tiles
+        aside = abs(x - last_x) + abs(y - last_y) + abs(x0 - last_x0) + abs(y0 - last_y0)
+        if aside > NEAR_CELLS:
+            last_x, last_y, last_x0, last_y0 = x, y, x0, y0
+            for row, col in _tiles_on_ray(x0, y0, x, y):
                 if find_slot(table, corner, row << TILE_BITS, col << TILE_BITS) == NO_TILE:
                     tiles = np.concatenate((tiles, np.array([[row, col]])))
     return tiles

@@ -24,6 +24,7 @@ from grid_mapper.nodes.lost_robot import LostRobot
 from grid_mapper.nodes.match_report import MatchReport
 from grid_mapper.nodes.pose_outputs import PoseOutputs
 from grid_mapper.nodes.scan_input import ScanInput
+from grid_mapper.nodes.sweep_report import SweepReport
 from grid_mapper.recovery import Recovery
 from grid_mapper.sonar_mount import level_sonar
 from grid_mapper.tracking import Tracking
@@ -55,6 +56,7 @@ class MatchedPoses:
         self._outputs = PoseOutputs(node, closing)
         self.publish_path = self._outputs.publish_path
         self._report = MatchReport(self._lost, has_odom=config.use_odom)
+        self._sweeps = SweepReport(node, mapper)
         self.forget()
         self._odometry = OdometryFallback(node) if config.use_odom else None
         self._tf = MapToOdom(node) if config.use_odom and config.publish_tf else None

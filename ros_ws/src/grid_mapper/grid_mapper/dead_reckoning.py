@@ -1,0 +1,55 @@
+"""What the localizer holds of the last scan, and the motion since then by odometry or without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from floornav_common.se2 import SE2
+from grid_mapper.config import MotionConfig
+from grid_mapper.motion import odometry_motion, rotated, steady_motion
+
+RESET_SLACK_S = 0.5  # logs stamp scans that badly
+
+
+@dataclass(frozen=True)
+class Step:
+    """State after a scan, from which the next is predicted.
+
+    `cov` is that of the pose in the map; `cov_near` counts only what came since the last trusted
+    scan, for the map round the robot was made by poses that share all error before that.
+    """
+
+    stamp_ns: int
+    T_map_base: SE2
+    T_odom_base: SE2 | None
+    cov: np.ndarray
+    cov_near: np.ndarray
+    velocity: np.ndarray
+
+
+def is_reset(
+    last: Step | None, stamp_ns: int, T_odom_base: SE2 | None, config: MotionConfig
+) -> bool:
+    """Tell whether odometry jumped by more than a robot can move."""
+    if T_odom_base is None or last is None or last.T_odom_base is None:
+        return False
+    moved = last.T_odom_base.between(T_odom_base)
+    dt = abs(stamp_ns - last.stamp_ns) * 1e-9 + RESET_SLACK_S
+    return moved.distance > config.max_speed * dt or abs(moved.yaw) > config.max_turn_rate * dt
+
+
+def motion_since(
+    last: Step | None, stamp_ns: int, T_odom_base: SE2 | None, config: MotionConfig
+) -> tuple[SE2, np.ndarray, float]:
+    """Return the motion since the last scan, its covariance in map axes, the time passed."""
+    if last is None:
+        return SE2.identity(), np.zeros((3, 3)), 0.0
+    dt = max(0.0, (stamp_ns - last.stamp_ns) * 1e-9)
+    if T_odom_base is not None and last.T_odom_base is not None:
+        moved = last.T_odom_base.between(T_odom_base)
+        cov = odometry_motion(moved, config)
+    else:
+        moved, cov = steady_motion(last.velocity, dt, config)
+    return moved, rotated(cov, last.T_map_base.yaw), dt
