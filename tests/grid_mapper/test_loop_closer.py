@@ -183,3 +183,33 @@ def test_the_chain_is_surer_where_the_match_says_more():
     assert edge.T_first_second.x == pytest.approx(0.5)
     assert edge.cov[0, 0] == pytest.approx((0.005 + 0.1 * 0.5) ** 2, rel=0.01)
     assert edge.cov[1, 1] < 0.02**2
+
+
+def found_again(off: SE2):
+    """Return what a closer makes of a robot carried back to an earlier place and found `off` it."""
+    truth = round_the_ring(NUM, LAPS)
+    way = truth[:60] + truth[5:25]
+    T_said = truth[5] @ off @ truth[5].inverse()
+    believed = truth[:60] + [T_said @ pose for pose in truth[5:25]]
+    closer = LoopCloser(CONFIG)
+    frames = frames_at(way, believed, ring(), np.random.default_rng(4))
+    for k, frame in enumerate(frames):
+        closer.add(frame, follows_jump=k == 60)
+    closer.solve()
+    return way, closer
+
+
+def test_a_robot_found_again_is_tied_to_what_it_was_found_by_and_not_to_what_it_was_carried_from():
+    way, closer = found_again(SE2(0.05, -0.03, 0.01))
+    (over,) = [e for e in closer.edges if not e.is_loop and e.T_first_second.distance > 2.0]
+    (tie,) = [e for e in closer.edges if e.second == 60 and e.is_loop and e.first == 5][:1]
+    assert np.sqrt(over.cov[0, 0]) > 10.0
+    off = tie.T_first_second.between(way[tie.first].between(way[60])).as_array()
+    assert np.sqrt(off @ np.linalg.solve(tie.cov, off)) < 3.0
+    assert largest_error(closer.poses, way) < 0.06
+
+
+def test_a_robot_wrongly_found_again_is_put_right_by_the_loops_that_follow():
+    way, closer = found_again(SE2(0.5, 0.3, 0.08))
+    assert closer.refused["does not fit the graph"] >= 1
+    assert largest_error(closer.poses, way) < 0.1

@@ -48,6 +48,7 @@ class ClosingMapper:
     def __init__(self, config: GridMapperConfig, worker: Worker) -> None:
         self.config, self.link = config, LoopLink(worker)
         self._num_changes_before, self.longest_wait_ms = 0, 0.0
+        self._has_jumped = False
         self._empty()
 
     def reset(self) -> None:
@@ -96,6 +97,7 @@ class ClosingMapper:
             self._front.see([(seen, T_local_map)])
         turned = None if cov is None else rotated(cov, T_local_map.yaw)
         self._front.relocate(T_local_map @ T_map_base, turned)
+        self._has_jumped = True
         self._readings.break_here()
 
     def lose(self) -> None:
@@ -110,6 +112,7 @@ class ClosingMapper:
             seen = zip((points for points, _ in self._first_seen), poses, strict=True)
             self._front.see((points, T_local_map @ pose) for points, pose in seen)
             self._front.break_motion(T_local_map @ poses[0])
+            self._has_jumped = True
         self._readings.clear()
 
     def in_local(self, T_map_base: SE2) -> SE2:
@@ -179,7 +182,9 @@ class ClosingMapper:
         self._readings.add_pose(stamp_ns, pose)
         self._maps.place_scan(stamp_ns, scan, T_base_laser, self._T_map_local @ pose)
         if is_node or is_apart:
-            seen = (scan, T_base_laser, pose, self.node, is_node, result.information)
+            match = (is_node, result.information, is_node and self._has_jumped)
+            seen = (scan, T_base_laser, pose, self.node, *match)
+            self._has_jumped &= not is_node
             self.link.send(KeptScan, stamp_ns, *seen)
         self._place_readings()
 
@@ -189,6 +194,7 @@ class ClosingMapper:
         self.num_swaps = 0
         self.corrections = Corrections.of([], [])
         self.node = NO_NODE
+        self._has_jumped = False
         self._T_map_local = SE2.identity()
         self._front, self._maps = FrontEnd(config), LayeredMapper(config)
         self._readings, self._to_keep = PlacedReadings(), ReadingsToKeep(config.bayes)

@@ -33,6 +33,7 @@ class KeptScan:
         node: The newest node; this scan's own where it is one.
         is_node: Whether it is.
         information: Of the match, see `ScanResult`; None without one.
+        follows_jump: Whether the robot was found again there, not driven from the last node.
     """
 
     number: int
@@ -43,6 +44,7 @@ class KeptScan:
     node: int
     is_node: bool
     information: np.ndarray | None
+    follows_jump: bool = False
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,12 @@ MAX_POINTS = 400
 """Points kept of a frame: more change no match by as much as it is uncertain."""
 
 
+VAGUE_COV = np.diag([0.3, 0.3, 0.2]) ** 2
+"""Of a place that no match speaks for."""
+UNKNOWN_COV = np.diag([20.0, 20.0, np.pi]) ** 2
+"""Of the motion over a jump: it holds the graph together and says nothing."""
+
+
 @dataclass(frozen=True)
 class KeyFrame:
     """A scan that a node of the graph stands for.
@@ -82,6 +88,30 @@ def chain_edge(
     cov = np.linalg.inv(np.linalg.inv(cov) + frame.information)
     cov = rotated(cov, -frame.T_local_base.yaw) + np.diag([drift[0], drift[0], drift[1]]) ** 2
     return Edge(number - 1, number, moved, cov, is_loop=False)
+
+
+def edge_after_jump(
+    anchor: int, number: int, T_anchor_frame: SE2, frame: KeyFrame, motion: MotionConfig,
+    sigma: tuple[float, float],
+) -> Edge:  # fmt: skip
+    """Return the edge of a robot that was found again: as a loop it may turn out to be false.
+
+    The match that found it is added to what it would be off had it been driven from the anchor:
+    so far as the map is unsure of itself there, the edge is too.
+
+    Args:
+        anchor: Number of the node beside which it was found.
+        number: Of the frame's node.
+        T_anchor_frame: Where it was found, seen from there.
+        frame: The first one after the jump.
+        motion: Says how far odometry can be trusted.
+        sigma: Deviation (m, rad) of a loop.
+    """
+    driven = rotated(odometry_motion(T_anchor_frame, motion), -T_anchor_frame.yaw)
+    information = frame.information + np.linalg.inv(VAGUE_COV)
+    matched = rotated(np.linalg.inv(information), -frame.T_local_base.yaw)
+    cov = driven + matched + np.diag([sigma[0], sigma[0], sigma[1]]) ** 2
+    return Edge(anchor, number, T_anchor_frame, cov, is_loop=True)
 
 
 def thinned(points: SurfacePoints) -> SurfacePoints:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.frame_thinning import thinned_frames
-from grid_mapper.key_frames import Edge, KeyFrame, chain_edge
+from grid_mapper.key_frames import UNKNOWN_COV, Edge, KeyFrame, chain_edge, edge_after_jump
 from grid_mapper.loop_candidates import Candidate, loop_candidates, near_pairs
 from grid_mapper.loop_verification import agree, are_apart, verify
 from grid_mapper.node_merging import MergedNodes, contracted, merges_of, moved_edge
@@ -64,9 +65,14 @@ class LoopCloser:
         """Loops in the graph."""
         return sum(edge.is_loop for edge in self.edges)
 
-    def add(self, frame: KeyFrame) -> bool:
-        """Take the next key frame; tell whether poses of earlier ones have changed."""
-        self._append(frame)
+    def add(self, frame: KeyFrame, *, follows_jump: bool = False) -> bool:
+        """Take the next key frame; tell whether poses of earlier ones have changed.
+
+        Args:
+            frame: The frame.
+            follows_jump: Whether the robot was found again there, not driven from the last one.
+        """
+        self._append(frame, follows_jump)
         loop = self.config.loop
         if not self.edges:
             return False
@@ -116,7 +122,7 @@ class LoopCloser:
         found = self._solver.solve(self.poses, self.edges, kernel, tolerance, is_free)
         self.poses = self._merged.placed(found)
 
-    def _append(self, frame: KeyFrame) -> None:
+    def _append(self, frame: KeyFrame, follows_jump: bool) -> None:
         if not self.frames:
             self.poses.append(frame.T_local_base)
             self._ways.append(0.0)
@@ -125,13 +131,26 @@ class LoopCloser:
             drift = loop.drift_m, loop.drift_rad
             number = len(self.frames)
             edge = chain_edge(number, self.frames[-1], frame, self.config.motion, drift)
+            pose, way = self.poses[-1] @ edge.T_first_second, edge.T_first_second.distance
+            if follows_jump:
+                self.edges.append(self._edge_after_jump(frame, pose))
+                edge = replace(edge, cov=UNKNOWN_COV)
+                way += loop.min_way_m  # loops are looked for with all that was seen before
             self.edges.append(edge)
-            self.poses.append(self.poses[-1] @ edge.T_first_second)
-            self._ways.append(self._ways[-1] + edge.T_first_second.distance)
+            self.poses.append(pose)
+            self._ways.append(self._ways[-1] + way)
         self.frames.append(frame)
         self._looks.add(frame.points.points)
         if len(self.frames) % THINNED_EVERY == 0:
             self._thin()
+
+    def _edge_after_jump(self, frame: KeyFrame, pose: SE2) -> Edge:
+        """Return what ties a frame to the nearest node that has a scan."""
+        numbers = np.flatnonzero(self._has_scan()).tolist()
+        anchor = min(numbers, key=lambda k: self.poses[k].between(pose).distance)
+        T, loop = self.poses[anchor].between(pose), self.config.loop
+        sigma = loop.loop_sigma_m, loop.loop_sigma_rad
+        return edge_after_jump(anchor, len(self.frames), T, frame, self.config.motion, sigma)
 
     def _thin(self) -> None:
         """Throw out older scans of one place, and let their nodes become part of others."""

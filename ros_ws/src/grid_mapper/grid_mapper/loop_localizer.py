@@ -64,6 +64,7 @@ class LoopClosingLocalizer:
         self._front = FrontEnd(config)
         self._followed: list[_Followed] = []
         self.closer = LoopCloser(config)
+        self._has_jumped = False
 
     @property
     def sweeps(self) -> SweepOrder:
@@ -84,7 +85,8 @@ class LoopClosingLocalizer:
         pose = result.T_map_base
         if is_node:
             seen = (stamp_ns, scan, T_base_laser, pose, result.information)
-            self.closer.add(key_frame(*seen, self.config))
+            self.closer.add(key_frame(*seen, self.config), follows_jump=self._has_jumped)
+            self._has_jumped = False
         node = len(self.closer.frames) - 1
         outcome = (result.is_trusted, result.reason, sweep_of(scan))
         self._followed.append(_Followed(pose, node, *outcome))
@@ -105,6 +107,7 @@ class LoopClosingLocalizer:
         frames, poses = self.closer.frames, self.closer.poses
         if not frames:
             return
+        self._has_jumped = True
         T_local_map = frames[-1].T_local_base @ poses[-1].inverse()
         numbers = self._first_seen()
         self._front.see((frames[k].points, T_local_map @ poses[k]) for k in numbers)

@@ -106,7 +106,8 @@ class LoopSession:
         if not (isinstance(event, KeptScan) and event.is_node):
             return self._state() if event.number % EVENTS_AN_ANSWER == 0 else None
         seen = (event.stamp_ns, event.scan, event.T_base_laser, event.T_local_base)
-        self._has_moved |= self._closer.add(key_frame(*seen, event.information, self._config))
+        frame = key_frame(*seen, event.information, self._config)
+        self._has_moved |= self._closer.add(frame, follows_jump=event.follows_jump)
         return self._state()
 
     @property
