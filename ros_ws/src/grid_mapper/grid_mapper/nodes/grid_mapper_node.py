@@ -4,8 +4,8 @@ In: `scan` (LaserScan), the `sonar_topics` (Range; `sonar` by default), `odom` (
 where TF has none), `initialpose` (PoseWithCovarianceStamped), `reference_map` (OccupancyGrid), TF
 odom->base_link->sensors, with `pose_source: tf` map->base_link too.
 Out: `map` (laser and sonar), `map/laser`, `map/sonar`, `map/glass` (OccupancyGrid, latched), `pose`
-(PoseWithCovarianceStamped), `trajectory` (Path, thinned to 0.1 m), TF map->odom; with `pose_source:
-tf` only the three layers.
+(PoseWithCovarianceStamped), `trajectory` (Path, thinned to 0.1 m; above 1000 poses to 0.2 m,
+and so on), TF map->odom; with `pose_source: tf` only the three layers.
 Services: `~/save_map`, `~/reset` (Trigger).
 """
 

@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from floornav_common.readings import RangeReading
 from floornav_common.ros import messages
 from floornav_common.ros.diagnostics import Status
@@ -62,7 +64,7 @@ class MatchedPoses:
         self._tf = MapToOdom(node) if config.use_odom and config.publish_tf else None
         frame = node.frames.odom if config.use_odom else node.frames.base
         self._scans = ScanInput(node, frame, config.scan_timeout_s, self._on_scan, warn)
-        self._initial_pose = InitialPose(node, self._lost.is_said_at, warn)
+        self._initial_pose = InitialPose(node, self._on_said, warn)
         node.transforms.on_restart(self._restart)  # the clock's too
         node.time.on_look(self._watch_scans)
 
@@ -100,6 +102,11 @@ class MatchedPoses:
         """Return whether scans fit the map."""
         is_fresh, is_lost = self._scans.is_fresh, self._tracking.is_lost
         return self._report.status(self._mapper.num_bytes, is_fresh=is_fresh, is_lost=is_lost)
+
+    def _on_said(self, pose: SE2, cov: np.ndarray) -> None:
+        """Go on where somebody says that the robot is; what was sent so far is wrong."""
+        self._lost.is_said_at(pose, cov)
+        self.lose()
 
     def _on_scan(self, stamp: Any, scan: Scan, T_base_laser: SE2, T_target_base: SE2) -> None:
         stamp_ns = messages.stamp_to_ns(stamp)
