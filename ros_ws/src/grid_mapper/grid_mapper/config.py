@@ -210,8 +210,8 @@ class GridMapperConfig:
     deskew: str = param(
         "auto",
         "Order of the beams in time, where time_increment says that they follow each other: with "
-        "it each is moved by the robot's motion to where the scan's stamp has it. `auto` learns it "
-        "from the first turns (not with `pose_source` tf), `none` takes all as of one moment.",
+        "it each is seen from where the robot was at the scan's stamp, but for `pose_source` tf. "
+        "`auto` learns the order from the first turns, `none` takes all beams as of one moment.",
         choices=("auto", "first_to_last", "last_to_first", "none"), read_only=True,
     )  # fmt: skip
     loop: LoopConfig = field(default_factory=LoopConfig)
