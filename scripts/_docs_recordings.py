@@ -6,7 +6,6 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,14 +13,16 @@ from typing import Any
 import numpy as np
 
 from _docs_pictures import write_small
+from _docs_references import LOCALIZER_HEAD, PLAN_HEAD, localizer_rows, plan_row
+from _docs_tables import row_of, with_block, with_table
 from _docs_trajectories import odometry, published_poses
 from floornav_common.reporting import say, write_atomic
+from grid_mapper.map_figures import loop_line
 from grid_mapper.relations import load_relations, relation_errors
 from grid_mapper.trajectory_metrics import Trajectory, load_tum, path_length, trajectory_errors
 
 MAP_BAG = Path(__file__).resolve().parent / "map_bag.py"
 LONG_NS = 60_000_000_000
-MARK = "<!-- {what} {name}: made by scripts/make_docs.py recordings -->"
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,8 @@ class Shown:
         relations: File of known relations; "" for none.
         offset_s: Added to the trajectory's stamps to compare them.
         tolerance_s: How far a relation's stamp may be from a pose.
+        has_localizer: Whether a localizer ran while it was recorded.
+        plan: File of the floor's map; "" for none.
     """
 
     name: str
@@ -43,6 +46,8 @@ class Shown:
     relations: str = ""
     offset_s: float = 0.0
     tolerance_s: float = 0.002
+    has_localizer: bool = False
+    plan: str = ""
 
 
 SHOWN = (
@@ -57,13 +62,17 @@ SHOWN = (
     Shown("wean-hall-1", "wean-hall/robotdata1.log.gz"),
     Shown("wean-hall-4", "wean-hall/robotdata4.log.gz"),
     Shown("mines-rover", "mines-rover/exp1.dat.gz"),
-    Shown("olin_mac_floor1", "rosbag2/olin_mac_floor1"),
-    Shown("pioneer_trace0", "rosbag2/pioneer_trace0"),
+    Shown("olin_mac_floor1", "rosbag2/olin_mac_floor1",
+          plan="rosbag2/olin_mac_floor1/mac_1st_floor_final.yaml"),
+    Shown("pioneer_trace0", "rosbag2/pioneer_trace0", has_localizer=True),
     Shown("neato_wall_follower", "rosbag2/neato_wall_follower"),
     Shown("neato_drive_square", "rosbag2/neato_drive_square"),
 )  # fmt: skip
 
 NO_LOOPS = "loop_closing: false\n"
+NAMES = tuple(shown.name for shown in SHOWN)
+LOOP_LINE_OF = "intel-lab-dense"
+"""What `map_bag` prints of its loops is shown in map-a-recording.md."""
 SONARS = Shown("sonar8-mapping", "sonar8-mapping")
 """A recording without a laser: only its picture is shown, in map-glass.md."""
 
@@ -111,9 +120,23 @@ def make_recording(shown: Shown, docs: Path, data: Path, folder: Path) -> None:
         relations = _relation_rows(shown, data, out, folder / "open")
     write_small(out / "map.png", docs / "pictures" / f"{shown.name}.png")
     text = page.read_text(encoding="utf-8")
-    text = with_table(text, "runs", RUN_HEAD, {shown.name: _run_row(shown, data, summary)})
-    text = with_table(text, "loops", LOOP_HEAD, {shown.name: _loop_row(shown, summary)})
-    write_atomic(page, with_table(text, "relations", RELATION_HEAD, relations))
+    tables = {
+        "runs": (RUN_HEAD, {shown.name: _run_row(shown, data, summary)}),
+        "loops": (LOOP_HEAD, {shown.name: _loop_row(shown, summary)}),
+        "relations": (RELATION_HEAD, relations),
+    }
+    if shown.has_localizer:
+        tables["localizer"] = LOCALIZER_HEAD, localizer_rows(shown.name, data / shown.path, out)
+    if shown.plan:
+        tables["plan"] = PLAN_HEAD, {shown.name: plan_row(shown.name, data / shown.plan, out)}
+    for name, (head, rows) in tables.items():
+        text = with_table(text, name, head, rows, NAMES)
+    write_atomic(page, text)
+    if shown.name == LOOP_LINE_OF:
+        task_page = docs / "map-a-recording.md"
+        block = f"```\n{loop_line(summary)}\n```"
+        text = with_block(task_page.read_text(encoding="utf-8"), "loop line", block)
+        write_atomic(task_page, text)
     say(f"written: {page}, {shown.name}")
 
 
@@ -152,25 +175,6 @@ def map_recording(shown: Shown, data: Path, out: Path, config: str = "") -> dict
     return summary
 
 
-def with_table(text: str, name: str, head: str, rows: dict[str, str]) -> str:
-    """Return the page with new rows in the table between its two marks; others stay.
-
-    Raises:
-        ValueError: If the marks are not there.
-    """
-    begin, end = (MARK.format(what=what, name=name) for what in ("begin", "end"))
-    before, found, rest = text.partition(begin)
-    old, closed, after = rest.partition(end)
-    if not (found and closed):
-        raise ValueError(f"the page lacks the line {begin} or {end}")
-    kept = {line.split("|")[1].strip(): line for line in old.splitlines()[3:] if "|" in line}
-    order = {shown.name: number for number, shown in enumerate(SHOWN)}
-    all_rows = sorted(
-        (kept | rows).items(), key=lambda row: order.get(row[0].split(":")[0], len(order))
-    )
-    return f"{before}{begin}\n{head}" + "\n".join(row for _, row in all_rows) + f"\n{end}{after}"
-
-
 def _run_row(shown: Shown, data: Path, s: dict[str, Any]) -> str:
     has_odometry = "--no-odom" not in shown.options
     way = f"{path_length(odometry(data / shown.path)):.1f}" if has_odometry else "-"
@@ -178,13 +182,14 @@ def _run_row(shown: Shown, data: Path, s: dict[str, Any]) -> str:
         shown.name, s["scans"], s["scans_used"], s["scans_untrusted"], f"{s['path_m']:.1f}",
         way, f"{s['ms_median']:.2f}", f"{s['ms_p99']:.1f}", f"{s['peak_mb']:.0f}",
     ]  # fmt: skip
-    return _row(cells)
+    return row_of(cells)
 
 
 def _loop_row(shown: Shown, s: dict[str, Any]) -> str:
-    refused = sum(s["loops_refused"].values())
+    reasons = ", ".join(f"{reason} {num}" for reason, num in s["loops_refused"].items())
+    refused = f"{sum(s['loops_refused'].values())}" + (f": {reasons}" if reasons else "")
     times = f"{s['ms_max']:.0f}", f"{s['real_time_factor']:.1f}"
-    return _row([shown.name, s["nodes"], s["loops"], refused, *times])
+    return row_of([shown.name, s["nodes"], s["loops"], refused, *times])
 
 
 def _relation_rows(shown: Shown, data: Path, out: Path, open_loops: Path) -> dict[str, str]:
@@ -203,7 +208,7 @@ def _relation_rows(shown: Shown, data: Path, out: Path, open_loops: Path) -> dic
         ate = f"{trajectory_errors(trajectory, published).ate:.2f}"
         cells = [*_relation_cells(shown, data, trajectory), "-" if trajectory is published else ate]
         key = f"{shown.name}: {poses}"
-        rows[key] = _row([key, *cells])
+        rows[key] = row_of([key, *cells])
     return rows
 
 
@@ -220,7 +225,3 @@ def _relation_cells(shown: Shown, data: Path, trajectory: Trajectory) -> list[st
         for measure in (np.mean, np.median, np.std)
     ]
     return [used, str(num_long), *statistics]
-
-
-def _row(cells: Sequence[object]) -> str:
-    return "| " + " | ".join(str(cell) for cell in cells) + " |"

@@ -74,19 +74,46 @@ def test_a_running_node_declares_what_the_reference_lists(name: str):
 
 
 def test_a_table_keeps_rows_of_recordings_that_are_not_there():
-    from _docs_recordings import MARK, RUN_HEAD, with_table
+    from _docs_recordings import RUN_HEAD
+    from _docs_tables import MARK, with_table
 
     begin, end = (MARK.format(what=what, name="runs") for what in ("begin", "end"))
     page = f"before\n{begin}\n{RUN_HEAD}| a | 1 |\n| b | 2 |\n{end}\nafter\n"
-    answer = with_table(page, "runs", RUN_HEAD, {"b": "| b | 3 |", "c": "| c | 4 |"})
+    answer = with_table(page, "runs", RUN_HEAD, {"b": "| b | 3 |", "c": "| c | 4 |"}, "ab")
     assert answer == page.replace("| b | 2 |", "| b | 3 |\n| c | 4 |")
 
 
 def test_a_page_without_marks_is_refused():
-    from _docs_recordings import RUN_HEAD, with_table
+    from _docs_tables import MARK, with_block, with_table
 
     with pytest.raises(ValueError, match="lacks the line"):
-        with_table("no marks", "runs", RUN_HEAD, {})
+        with_table("no marks", "runs", "", {}, "")
+    begin, end = (MARK.format(what=what, name="line") for what in ("begin", "end"))
+    assert with_block(f"a\n{begin}\nold\n{end}\n", "line", "new") == f"a\n{begin}\nnew\n{end}\n"
+
+
+def test_a_map_is_laid_on_the_plan_of_its_floor_and_walls_that_moved_show():
+    import cv2
+
+    from _docs_references import laid_on, plan_errors
+    from floornav_common.grid import OccupancyMap
+    from floornav_common.se2 import SE2
+
+    room = np.zeros((200, 260), np.int8)
+    for corners in (((20, 20), (240, 180)), ((20, 20), (90, 100)), ((150, 120), (200, 140))):
+        cv2.rectangle(room, *corners, 100, 2)
+    plan, T_plan_ours = OccupancyMap(room, 0.05, SE2(-1.0, -2.0, 0.0)), SE2(5.0, 3.0, 0.4)
+    ours = OccupancyMap(room, 0.05, T_plan_ours.inverse() @ plan.origin)
+    found = laid_on(ours, plan)
+    assert T_plan_ours.between(found).distance < 0.02
+    errors = plan_errors(ours, plan)
+    assert errors.near_share > 0.99 and errors.median_m < 0.03 and errors.iou > 0.9
+    moved = room.copy()
+    moved[118:145, 145:205] = 0
+    cv2.rectangle(moved, (170, 40), (215, 90), 100, 2)
+    less = plan_errors(OccupancyMap(moved, 0.05, ours.origin), plan)
+    share = 1.0 - (moved[38:95, 165:220] > 0).sum() / (moved > 0).sum()
+    assert less.near_share == pytest.approx(share, abs=0.03) and less.iou < errors.iou - 0.05
 
 
 def test_a_large_picture_is_cut_and_made_small():

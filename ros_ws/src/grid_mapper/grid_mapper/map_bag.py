@@ -66,8 +66,13 @@ def main(argv: list[str] | None = None) -> int:
         run, mapper = _run(args, recording, options, config, sessions, summary)
         inputs.format, inputs.info = recording.format, tuple(recording.info)
         text = write_results(out, inputs, recording, run, mapper, summary)
-    say(text, is_quiet=args.quiet)
-    say(f"results: {out}", is_quiet=args.quiet)
+    say(f"{text}\nresults: {out}", is_quiet=args.quiet)
+    _warn(recording, run, summary)
+    return 0 if summary["ok"] else 1
+
+
+def _warn(recording: Recording, run: MapRun, summary: dict[str, Any]) -> None:
+    """Print what is wrong with a recording or a run."""
     if recording.counts.infrared:
         print(f"warning: {infrared_warning(recording.counts.infrared)}", file=sys.stderr)
     if summary["problem"] is not None:
@@ -75,7 +80,6 @@ def main(argv: list[str] | None = None) -> int:
         print(f"error: {summary['problem']}{state}", file=sys.stderr)
     if run.is_interrupted:
         print("stopped; results so far are marked partial", file=sys.stderr)
-    return 0 if summary["ok"] else 1
 
 
 def make_parser() -> argparse.ArgumentParser:

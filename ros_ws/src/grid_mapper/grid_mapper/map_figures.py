@@ -81,7 +81,7 @@ def screen_text(summary: dict[str, Any]) -> str:
     if s["beam_order"]:
         lines.append(f"beams of a scan: {s['beam_order']}")
     if s["loops"] is not None:
-        lines.append(_loop_line(s))
+        lines.append(loop_line(s))
     odd = {
         "without transform": s["scans_without_transform"], "stamps going back":
         s["stamps_backwards"], "stamps repeated": s["stamps_repeated"], "jumps back in time":
@@ -97,7 +97,8 @@ def screen_text(summary: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _loop_line(s: dict[str, Any]) -> str:
+def loop_line(s: dict[str, Any]) -> str:
+    """Return what became of the loops."""
     reasons = ", ".join(f"{reason} {num}" for reason, num in s["loops_refused"].items())
     return (
         f"loops closed: {s['loops']} between {s['nodes']} nodes; refused"

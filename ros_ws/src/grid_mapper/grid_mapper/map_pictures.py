@@ -37,21 +37,13 @@ def draw_map(
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from matplotlib.transforms import Affine2D
 
     left, bottom, right, top = _bounds(occupancy, trajectory)
     map_inch = WIDTH_INCH * (top - bottom) / (right - left)
     height_inch = TITLE_INCH + map_inch + LEGEND_INCH
     figure = Figure(figsize=(WIDTH_INCH, height_inch), dpi=DPI)
     axes = figure.add_axes((0.01, LEGEND_INCH / height_inch, 0.98, map_inch / height_inch))
-    rows, columns = occupancy.cells.shape
-    size = (0.0, columns * occupancy.resolution, 0.0, rows * occupancy.resolution)
-    origin = occupancy.origin
-    place = Affine2D().rotate(origin.yaw).translate(origin.x, origin.y) + axes.transData
-    axes.imshow(
-        _shades(occupancy), cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=size,
-        transform=place, interpolation="antialiased",
-    )  # fmt: skip
+    _draw_cells(axes, occupancy)
     has_glass = glass is not None and _draw_glass(axes, glass)
     _draw_way(axes, trajectory)
     axes.set_xlim(left, right)
@@ -68,6 +60,20 @@ def draw_map(
     out = BytesIO()
     FigureCanvasAgg(figure).print_png(out, metadata={"Software": None})
     return out.getvalue()
+
+
+def _draw_cells(axes: Any, occupancy: OccupancyMap) -> None:
+    """Draw the cells in shades, turned as the map is."""
+    from matplotlib.transforms import Affine2D
+
+    rows, columns = occupancy.cells.shape
+    size = (0.0, columns * occupancy.resolution, 0.0, rows * occupancy.resolution)
+    origin = occupancy.origin
+    place = Affine2D().rotate(origin.yaw).translate(origin.x, origin.y) + axes.transData
+    axes.imshow(
+        _shades(occupancy), cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=size,
+        transform=place, interpolation="antialiased",
+    )  # fmt: skip
 
 
 def _shades(occupancy: OccupancyMap) -> np.ndarray:

@@ -33,6 +33,36 @@ def main(argv: list[str] | None = None) -> int:
         writer = BagWriter(path, args.storage)
     except OSError as error:
         raise UserError(f"cannot write {path}: {error.strerror or error}") from error
+    failure, counts = _recorded(args, writer)
+    if writer.num_messages == 0:
+        writer.abort()
+        print("error: no message came, so no bag was written", file=sys.stderr)
+        return 1
+    if failure is None:
+        failure = _closed(writer)
+    else:
+        writer.keep()
+    if failure is not None:
+        print(f"error: {path} is cut off, for it could not be written: {failure}", file=sys.stderr)
+        return 1
+    lines = [f"  {count:6d}  {name}" for name, count in counts.items()]
+    say("\n".join([*lines, f"{writer.num_messages} messages in {path}"]), is_quiet=args.quiet)
+    return 0
+
+
+def _closed(writer: BagWriter) -> Exception | None:
+    """Complete the bag; return the error if the disk refuses it."""
+    try:
+        writer.close()
+    except WRITE_ERRORS as error:
+        return error
+    return None
+
+
+def _recorded(
+    args: argparse.Namespace, writer: BagWriter
+) -> tuple[Exception | None, dict[str, int]]:
+    """Record; return what ended it early, and the messages by topic. Ends ROS."""
     try:
         node = BagRecorderNode([] if args.all else args.topics, writer)
         failure = _record(node, writer, args.duration, args.quiet)
@@ -45,23 +75,7 @@ def main(argv: list[str] | None = None) -> int:
         raise
     finally:
         rclpy.try_shutdown()
-    if writer.num_messages == 0:
-        writer.abort()
-        print("error: no message came, so no bag was written", file=sys.stderr)
-        return 1
-    if failure is None:
-        try:
-            writer.close()
-        except WRITE_ERRORS as error:
-            failure = error
-    else:
-        writer.keep()
-    if failure is not None:
-        print(f"error: {path} is cut off, for it could not be written: {failure}", file=sys.stderr)
-        return 1
-    lines = [f"  {count:6d}  {name}" for name, count in counts.items()]
-    say("\n".join([*lines, f"{writer.num_messages} messages in {path}"]), is_quiet=args.quiet)
-    return 0
+    return failure, counts
 
 
 def make_parser() -> argparse.ArgumentParser:

@@ -22,7 +22,7 @@ from grid_mapper.recordings.bag_sonars import (
     sonar_info,
     unused_sonars,
 )
-from grid_mapper.recordings.bag_survey import FrameTree, survey, tf_topics
+from grid_mapper.recordings.bag_survey import FrameTree, Survey, survey, tf_topics
 from grid_mapper.recordings.bag_topics import (
     choose_odom_topic,
     names_of,
@@ -98,18 +98,22 @@ def choose(bag: Bag, options: RecordingOptions) -> Choice:
     )
     if frame is not None:
         odom_topic = None
-    child = (
-        odom_child(odom) if odom_topic and found.tree.connects(odom_child(odom), base.name) else ""
-    )
+    child = odom_child(odom) if odom_topic else ""
+    child = child if child and found.tree.connects(child, base.name) else ""
     notes = check_clocks(bag.path, found, scan_topic, odom_topic, frame, base.name, options)
     base_info = [f"robot frame: {base.name}, {base.why}"] if base.why else []
-    sonars = [sonar_info(bag, found, base.name, name, options) for name in options.sonar_topics]
-    sonars += unused_sonars(bag, options)
+    sonars = _sonar_lines(bag, found, base.name, options)
     info = (scan_info, *scan_notes, *base_info, laser, odom_info + others, *notes, *sonars)
     return Choice(
         scan_topic, options.sonar_topics, odom_topic, child or base.name, tf_topics(bag),
         base.name, frame, found.tree, fixed_links(found.tree, base.name), info,
     )  # fmt: skip
+
+
+def _sonar_lines(bag: Bag, found: Survey, base: str, options: RecordingOptions) -> list[str]:
+    """Return a line for every sonar topic that is used, and one for those that are not."""
+    used = [sonar_info(bag, found, base, name, options) for name in options.sonar_topics]
+    return [*used, *unused_sonars(bag, options)]
 
 
 def _choose_sonars(bag: Bag, options: RecordingOptions) -> Choice:
