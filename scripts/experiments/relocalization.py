@@ -86,16 +86,11 @@ class Job:
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
     """Look for the robot everywhere; fills `methods` and the keys of the first."""
-    num_maps = args.maps or (QUICK_MAPS if args.quick else NUM_MAPS)
-    num_places = args.places or (QUICK_PLACES if args.quick else NUM_PLACES)
-    num_more = args.more if args.more is not None else QUICK_MORE if args.quick else MORE_PLACES
-    first = FIRST_FLOOR + 1000 * args.seed if args.first is None else args.first
-    shares = zip(*(shared(num, num_maps) for num in (num_places, num_more)), strict=True)
-    jobs = [Job(first + k, *share, args.way) for k, share in enumerate(shares)]
+    jobs = _jobs(args)
     tries: dict[str, list[Try]] = {method: [] for method in METHODS}
     sent: dict[str, list[Outcome]] = {method: [] for method in SENT}
     rows = []
-    with Progress("relocalization", num_maps, is_quiet=args.quiet) as progress:
+    with Progress("relocalization", len(jobs), is_quiet=args.quiet) as progress:
         done = run_tasks(on_floor, jobs, args.jobs, args.cluster)
         for k, (job, (found, outcomes)) in enumerate(done):
             for method in METHODS:
@@ -106,7 +101,7 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
             progress.update(k + 1)
     values["methods"] = {method: try_figures(tries[method]) for method in METHODS}
     values["methods"] |= {method: sent_figures(sent[method]) for method in SENT}
-    values["maps"], values["places"] = num_maps, num_places
+    values["maps"], values["places"] = len(jobs), len(tries["verified"])
     verified = values["methods"]["verified"]
     values |= {k: verified[k] for k in ("found_share", "false_claims", "time_s")}
     values["misses"] = [vars(t) for t in tries["verified"] if not t.is_found]
@@ -118,6 +113,16 @@ def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:
         Section("Told about where it is, and carried off", [robots]),
         Section("Floor by floor, verified", [Table(HEAD, rows)]),
     ]
+
+
+def _jobs(args: argparse.Namespace) -> list[Job]:
+    """Return what to do on every floor."""
+    num_maps = args.maps or (QUICK_MAPS if args.quick else NUM_MAPS)
+    num_places = args.places or (QUICK_PLACES if args.quick else NUM_PLACES)
+    num_more = args.more if args.more is not None else QUICK_MORE if args.quick else MORE_PLACES
+    first = FIRST_FLOOR + 1000 * args.seed if args.first is None else args.first
+    shares = zip(*(shared(num, num_maps) for num in (num_places, num_more)), strict=True)
+    return [Job(first + k, *share, args.way) for k, share in enumerate(shares)]
 
 
 def shared(num: int, among: int) -> list[int]:

@@ -1,11 +1,12 @@
 """What `evaluate.py relocalization` makes of a floor, and how it counts."""
 
+import argparse
 from itertools import chain, pairwise
 
 import numpy as np
 import pytest
 
-from experiments.relocalization import shared
+from experiments.relocalization import Job, _jobs, shared
 from experiments.relocalization_figures import Try, sent_cells, sent_figures, try_figures
 from experiments.relocalization_floors import (
     CLEAR_M,
@@ -140,6 +141,9 @@ def test_outcomes_are_counted():
 
 
 def test_places_are_shared_among_floors():
+    given = {"maps": 2, "places": None, "more": None, "first": 9000, "quick": True}
+    jobs = _jobs(argparse.Namespace(**given, seed=0, way=6.0))
+    assert jobs == [Job(9000, 6, 3, 6.0), Job(9001, 6, 3, 6.0)]
     assert shared(40, 5) == [8] * 5 and sum(shared(7, 3)) == 7 and shared(1, 2) in ([0, 1], [1, 0])
 
 
