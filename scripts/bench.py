@@ -32,6 +32,7 @@ JOBS = {
     "map_update": "a scan into the map, beside a plain ray trace",
     "sonar_update": "a sonar reading into the map, and a whole update with its scan match",
     "glass_map": "all layers for publishing on a plan of 50 x 50 m",
+    "loops": "what closing loops in the background holds a scan up by, over a live session",
     "simulation": "real-time factor by sensor set, and a frame beside the bare pybullet call",
     "floor": "from image to free space, beside bare OpenCV passes",
     "floor_localization": "from the floor mask to the pose, beside the published steps",
