@@ -103,10 +103,9 @@ def test_among_several_it_backs_no_faster_than_slowly() -> None:
 
 
 def test_who_touches_it_while_it_backs_meets_a_robot_that_stands() -> None:
-    """Beside the front corner already, walking along with it as it backs."""
-    along = (0.15, 0.6, -0.5, -0.25)
-    answer = room(along)
-    assert answer is None or answer[0] > 0.0
+    """0.4 m before its front, coming faster than it backs: it would be touched at 0.5 m/s."""
+    assert room((0.86, 0.17, -0.66, -0.31)) is None
+    assert room((0.86, 0.17, -0.3, -0.31))[0] < 0.0
 
 
 @pytest.mark.parametrize(("closing", "is_met"), [(0.8, False), (0.9, True), (-0.9, False)])
