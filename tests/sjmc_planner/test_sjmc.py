@@ -147,7 +147,7 @@ def test_it_backs_only_on_the_way_that_it_came() -> None:
 def test_it_backs_no_faster_than_it_travels(fastest: float) -> None:
     """The same walker before a slow robot; both ends of the range come from the same scene."""
     config = replace(CONFIG, robot=replace(ROBOT, speed_m_s=fastest))
-    walker, slowly = [(0.9, 0.9, 0.2, -0.3, -0.8)], Velocity(0.1, 0.0, 0.0)
+    walker, slowly = [(0.75, 0.9, 0.2, -0.3, -0.8)], Velocity(0.1, 0.0, 0.0)
     decision = watched(make_method(config), walker, FAR, velocity=slowly, num=30)
     assert decision.state == BACKING and -fastest <= decision.command.x < 0.0
     assert decision.command.yaw_rate == 0.0

@@ -102,12 +102,6 @@ def test_among_several_it_backs_no_faster_than_slowly() -> None:
     assert among[0] == pytest.approx(-0.15)
 
 
-def test_who_touches_it_while_it_backs_meets_a_robot_that_stands() -> None:
-    """0.4 m before its front, coming faster than it backs: it would be touched at 0.5 m/s."""
-    assert room((0.86, 0.17, -0.66, -0.31)) is None
-    assert room((0.86, 0.17, -0.3, -0.31))[0] < 0.0
-
-
 @pytest.mark.parametrize(("closing", "is_met"), [(0.8, False), (0.9, True), (-0.9, False)])
 def test_of_several_one_who_is_right_before_it_soon_counts(closing: float, is_met: bool) -> None:
     """0.5 m ahead of the front, 0.35 s later 0.22 m or 0.185 m: 0.2 m is near."""

@@ -58,9 +58,7 @@ def make_room(
         speed = max(wanted, -fastest)
         back = Velocity(speed, 0.0, 0.0)
         seen = foresight.obey(now, back, behind / -speed, things, people)
-        rests = robot.idle_time_s + behind / -speed - speed / robot.accel_m_s2
-        is_met_backing = seen.people_gap <= 0.0 and seen.people_time < rests
-        if seen.people_gap > best and seen.thing_gap > 0.0 and not is_met_backing:
+        if seen.people_gap > best and seen.thing_gap > 0.0:
             best, chosen = seen.people_gap, (speed, 0.0)
         if best >= config.clearance_m:
             return chosen
