@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from sjmc_planner.beam_ends import BeamReader
 from sjmc_planner.config import LocalPlannerConfig, RobotConfig
 from sjmc_planner.limited_motion import moved_by
 from sjmc_planner.planning import STILL, Decision, Goal, Method, Obstacles, RobotState, Velocity
+from sjmc_planner.sjmc_scene import Scene
 
 PERIOD = 0.05
 ROBOT = RobotConfig(
@@ -34,6 +38,18 @@ def scan_of(disks: list[tuple[float, float, float]], range_max: float = 6.0) -> 
         end = along - np.sqrt(np.maximum(radius**2 - across**2, 0.0))
         ranges = np.where(is_hit, np.minimum(ranges, end), ranges)
     return Scan(np.where(ranges > range_max, np.inf, ranges), -0.75 * np.pi, step, 0.05, range_max)
+
+
+def people_scene(*people: tuple[float, float, float, float], half_view: float = math.pi) -> Scene:
+    """Return a scene with nothing but people of 0.25 m about: x, y, vx, vy."""
+    rows = np.array([(*person, 0.25) for person in people]).reshape(-1, 5)
+    angles = -math.pi + math.pi / 36.0 * np.arange(72)
+    ranges = np.where(np.abs(angles) <= half_view, np.inf, np.nan)
+    scan = Scan(ranges, -math.pi, math.pi / 36.0, 0.05, 6.0)
+    ends = BeamReader(0.1).read(Obstacles(scan, SE2.identity()))
+    none = np.zeros((0, 2))
+    is_moving = np.hypot(rows[:, 2], rows[:, 3]) > 0.1
+    return Scene(ends, none, none, rows, np.arange(len(rows)) + 7, is_moving)
 
 
 def goal_at(x: float, y: float) -> Goal:

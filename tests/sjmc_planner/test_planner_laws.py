@@ -195,7 +195,7 @@ def test_sjmc_is_never_faster_than_its_model_in_any_state(drive, people, monkeyp
     people = np.array(people)
     walls = [(x, y, 0.15) for x in np.arange(-1.0, 6.0, 0.25) for y in (-0.9, 0.9)]
     pose, velocity, moved = SE2.identity(), STILL, SE2.identity()
-    for k in range(70):
+    for k in range(100):
         places = people[:, :2] + min(k * PERIOD, 2.0) * people[:, 2:]
         scan = disks_scan([*walls, *((x, y, 0.2) for x, y in places)], pose)
         point = (pose.inverse() @ np.array([[6.0, 0.0]]))[0]

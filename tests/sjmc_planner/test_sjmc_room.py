@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sjmc_scenes import CONFIG, PERIOD, ROBOT, goal_at, scan_of, watched
+from sjmc_scenes import CONFIG, PERIOD, ROBOT, goal_at, people_scene, scan_of, watched
 
 from floornav_common.se2 import SE2
 from sjmc_planner.beam_ends import BeamReader
@@ -15,6 +15,7 @@ from sjmc_planner.config import RobotConfig
 from sjmc_planner.limited_motion import moved_by, ramped
 from sjmc_planner.methods import make_method
 from sjmc_planner.planning import STILL, WAITING, Obstacles, RobotState, Velocity
+from sjmc_planner.sjmc_moment import MomentReader
 from sjmc_planner.sjmc_region import box_of
 from sjmc_planner.sjmc_rollout import Foresight
 from sjmc_planner.sjmc_room import make_room
@@ -99,6 +100,18 @@ def test_among_several_it_backs_no_faster_than_slowly() -> None:
     alone, among = room(CUTS), room(CUTS, FAR)
     assert alone[0] == pytest.approx(-0.5)
     assert among[0] == pytest.approx(-0.15)
+
+
+@pytest.mark.parametrize(("closing", "is_met"), [(0.8, False), (0.9, True), (-0.9, False)])
+def test_of_several_one_who_is_right_before_it_soon_counts(closing: float, is_met: bool) -> None:
+    """0.5 m ahead of the front, 0.35 s later 0.22 m or 0.185 m: 0.2 m is near."""
+    box, sight = box_of(ROBOT), Foresight(ROBOT, box_of(ROBOT), 0.15, 2.5)
+    moments = MomentReader(ROBOT, CONFIG.sjmc, box, sight, 0.15)
+    comes, other = (ROBOT.front_m + RADIUS + 0.5, 0.1, -closing, 0.0), (1.0, 2.0, 0.0, 0.5)
+    goal, state = goal_at(12.0, 0.0), RobotState(STILL)
+    among = moments.of(state, goal, people_scene(comes, other), np.zeros(2, bool))
+    alone = moments.of(state, goal, people_scene(comes), np.zeros(1, bool))
+    assert among.is_met == is_met and not alone.is_met
 
 
 def test_once_it_backs_a_small_gain_is_enough_to_go_on() -> None:

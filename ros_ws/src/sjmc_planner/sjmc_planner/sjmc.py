@@ -98,6 +98,7 @@ class Sjmc:
         """Return the command for now (Fig. 3.3; the end is asked first)."""
         scene = self._scenes.read(state, obstacles)
         self._retreat.note(state)
+        self._retreat.mind(state, scene)
         self._way_out.note(state.moved.yaw)
         if goal.distance <= self._cycle.goal_tolerance:  # end
             return Decision(STILL, REACHED)
@@ -203,7 +204,8 @@ class Sjmc:
     def _stuck(self, moment: Moment) -> Decision:
         """Return what is left: creep on where that is safe, or stand."""
         ahead = self._in_the_way(moment.goal.bearing, moment)
-        speed, _ = self._safe_speed(moment.goal.bearing, min(_CREEP, ahead.bound), moment)
+        bound = min(_CREEP, ahead.bound, self._moments.turning_in(moment.goal.bearing, moment))
+        speed, _ = self._safe_speed(moment.goal.bearing, bound, moment)
         reason = "the way is not seen" if moment.is_blind else "no course is open"
         if speed > _SLOW and not moment.is_blind:
             return Decision(self._command(moment.goal.bearing, speed), DRIVING, f"slowly: {reason}")
@@ -228,7 +230,7 @@ class Sjmc:
         bound, _ = bystander_in_reach(course, *args, self._patience.is_spent)
         if bound < moment.fastest:
             self._has_minded = True
-        return bound
+        return min(bound, self._moments.turning_in(course, moment))
 
     def _safe_speed(self, course: float, bound: float, moment: Moment) -> tuple[float, Foreseen]:
         """Return the most speed from which braking keeps clear, and what is foreseen at it."""

@@ -74,6 +74,10 @@ class SjmcConfig:
     bystander_pass_m_s: float = param(
         0.15, "How fast it then goes past who let it come so near.", unit="m/s", ge=0.0, le=1.0
     )
+    turns_in_s: float = param(
+        0.65, "Who walks beside or before its way may turn into it within this time: it is at rest "
+        "before they could meet; 0 = no regard.", unit="s", ge=0.0, le=10.0,
+    )  # fmt: skip
     clearance_m: float = param(
         0.2, "Air to keep to people, as they are foreseen.", unit="m", ge=0.0, le=2.0
     )

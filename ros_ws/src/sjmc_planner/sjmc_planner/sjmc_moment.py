@@ -15,11 +15,13 @@ from sjmc_planner.sjmc_course import courses
 from sjmc_planner.sjmc_region import Box, free_ways
 from sjmc_planner.sjmc_rollout import Foreseen, Foresight
 from sjmc_planner.sjmc_scene import Scene
+from sjmc_planner.sjmc_turning_in import turning_in_bound
 
 _WIDEST = math.radians(120.0)
 _SEEN_M = 1.0  # so far beyond the robot a course has to have been looked along
-_NO_SPEED = 0.03
+_NO_SPEED, _NO_GAP = 0.03, 1e-6
 _MET_M = 0.2  # from the outline to a person's disk: legs reach out of it
+_MET_S = 0.35  # or so soon before: from its slowest backing the robot is at rest by then
 _KEEP_GAP = 1e-3  # nearer than asked for already: no nearer than this, m
 
 
@@ -111,8 +113,11 @@ class MomentReader:
         walking, box = scene.people[scene.is_moving], self._box
         ahead = np.maximum(walking[:, 0] - box.front, 0.0)
         aside = np.maximum(np.abs(walking[:, 1]) - box.half_width, 0.0)
+        inward = -(ahead * walking[:, 2] + np.sign(walking[:, 1]) * aside * walking[:, 3])
+        away = np.maximum(np.hypot(ahead, aside), _NO_GAP)
+        gap = away - walking[:, 4] - _MET_S * np.maximum(inward / away, 0.0)
         is_before = walking[:, 0] > 0.5 * (box.front - box.rear)
-        return bool((is_before & (np.hypot(ahead, aside) - walking[:, 4] < _MET_M)).any())
+        return bool((is_before & (gap < _MET_M)).any())
 
     def _is_beside(self, course: float, scene: Scene) -> np.ndarray:
         """Tell who is not in D along a course but too near beside it, shape (N,), bool."""
@@ -134,6 +139,14 @@ class MomentReader:
         """Tell the same of people alone."""
         person = min(self._config.clearance_m, moment.now.people_gap - _KEEP_GAP)
         return seen.people_gap >= person
+
+    def turning_in(self, course: float, moment: Moment) -> float:
+        """Return how fast it may meet who may turn into a course, m/s."""
+        config, box = self._config, self._box
+        return turning_in_bound(
+            course, moment.scene, box.front, box.rear, self._half, config.clearance_m,
+            config.caution_m, self._robot.accel_m_s2, self._delay, config.turns_in_s,
+        )[0]  # fmt: skip
 
     def without_people(self, moment: Moment) -> Moment:
         """Return the same with nobody there, to tell for whom or what the robot stops."""

@@ -15,13 +15,16 @@ from floornav_common.se2 import SE2
 from sjmc_planner.config import RobotConfig
 from sjmc_planner.limited_motion import held_to
 from sjmc_planner.planning import TURNING, WAITING, Decision, RobotState, Velocity
+from sjmc_planner.sjmc_behind import Behind
 from sjmc_planner.sjmc_config import SjmcConfig
+from sjmc_planner.sjmc_scene import Scene
 
 _STUCK_S = 1.0  # without a course in all, since it drove last
 _FAR_M = 0.2  # so far back is enough to try again
 _DRIVES, _STANDS = 0.1, 0.05  # m/s
 _STOOD_S = 2.5  # at rest: who stands around it may want the room
 _TRAIL_M, _APART_M = 1.5, 0.05  # how long a way is remembered, by places this far apart
+_BODY_M = 0.3
 _AIM_M = 0.25  # the place on it that it backs to
 
 
@@ -38,18 +41,29 @@ class Retreat:
         self._robot, self._most, self._period = robot, config.backs_off_m, period
         self._stuck_s, self._left, self._stood_s = 0.0, 0.0, 0.0
         self._trail = np.zeros((1, 2))
-        self.behind = 0.0
+        self._came = 0.0
+        self._is_shut = False
+        self._people = Behind(robot.radius_m + config.backs_off_m + _BODY_M, period)
 
     def note(self, state: RobotState) -> None:
-        """Keep `behind`, how far it may back straight on the way that it came, m, and that way."""
-        came = self.behind + state.moved.x - 2.0 * abs(state.moved.yaw) * self._most
-        self.behind = min(max(came, 0.0), self._most)
+        """Keep how far it came straight, and the way."""
+        came = self._came + state.moved.x - 2.0 * abs(state.moved.yaw) * self._most
+        self._came = min(max(came, 0.0), self._most)
         self._left = max(self._left + min(state.moved.x, 0.0), 0.0)
         if abs(state.velocity.x) > _DRIVES:
             self._stuck_s = 0.0
         is_still = abs(state.velocity.x) < _STANDS
         self._stood_s = self._stood_s + self._period if is_still else 0.0
         self._remember(state.moved)
+
+    def mind(self, state: RobotState, scene: Scene) -> None:
+        """Back nowhere while somebody may be near behind, whom no beam shows."""
+        self._is_shut = self._people.is_near(state, scene)
+
+    @property
+    def behind(self) -> float:
+        """How far it may back straight on the way that it came, m."""
+        return 0.0 if self._is_shut else self._came
 
     def is_due(self, decision: Decision | None) -> bool:
         """Tell whether to back now; a course that comes and goes is none.
@@ -67,7 +81,7 @@ class Retreat:
             self._stuck_s = self._left = 0.0
         if self._stuck_s > _STUCK_S:
             self._stuck_s, self._left = 0.0, _FAR_M
-        return self._left > 0.0 and len(self._trail) > 1
+        return self._left > 0.0 and len(self._trail) > 1 and not self._is_shut
 
     @property
     def place(self) -> SE2:
