@@ -277,14 +277,32 @@ def test_without_closing_loops_nothing_is_said_of_them(tmp_path, capsys):
     assert "loops closed" not in capsys.readouterr().out
 
 
-def test_a_session_taken_up_gives_the_files_of_one_run(tmp_path, capsys):
-    bag, session = room_bag(tmp_path / "bag"), str(tmp_path / "room.session")
-    assert run(bag, "--out", tmp_path / "whole", "--quiet") == 0
-    assert run(bag, "--out", tmp_path / "a", "--max-scans", "8", "--save-session", session) == 0
-    assert run(bag, "--out", tmp_path / "b", "--session", session) == 0
+@pytest.mark.parametrize("saved_as", [None, "other.session", "room.session", "link.session"])
+def test_a_session_taken_up_gives_the_files_of_one_run(tmp_path, monkeypatch, saved_as):
+    monkeypatch.setattr("grid_mapper.session_files.EVENTS_A_PART", 20)  # a later one has more parts
+    bag, session = room_bag(tmp_path / "bag", sonar=1.5), tmp_path / "room.session"
+    (tmp_path / "link.session").symlink_to(session)
+    sonar = ("--sonar-topic", "/sonar", "--quiet")
+    at_once = tmp_path / "at-once.session"
+    assert run(bag, *sonar, "--out", tmp_path / "whole", "--save-session", at_once) == 0
+    part = ("--max-scans", "8", "--save-session", session)
+    assert run(bag, *sonar, "--out", tmp_path / "a", *part) == 0
+    save = () if saved_as is None else ("--save-session", tmp_path / saved_as)
+    assert run(bag, *sonar, "--out", tmp_path / "b", "--session", session, *save) == 0
     for name in ("trajectory.tum", "map.pgm", "map.yaml", "map.png"):
         whole = (tmp_path / "whole" / name).read_bytes()
         assert (tmp_path / "b" / name).read_bytes() == whole, name
+    if saved_as is not None:
+        assert (tmp_path / saved_as).read_bytes() == at_once.read_bytes()
+
+
+def test_a_saved_session_changes_no_file(tmp_path):
+    bag = room_bag(tmp_path / "bag")
+    assert run(bag, "--out", tmp_path / "a", "--quiet") == 0
+    save = ("--save-session", tmp_path / "room.session")
+    assert run(bag, "--out", tmp_path / "b", "--quiet", *save) == 0
+    for name in ("trajectory.tum", "map.pgm", "map.yaml", "map.png"):
+        assert (tmp_path / "b" / name).read_bytes() == (tmp_path / "a" / name).read_bytes(), name
 
 
 def test_a_session_that_is_none_is_one_line_and_leaves_nothing(tmp_path, capsys):

@@ -16,8 +16,8 @@ from grid_mapper.loop_warm_up import warm_up_loops
 from grid_mapper.map_rebuild import MapRebuild
 from grid_mapper.map_run import MapRun, run_mapper
 from grid_mapper.recordings import Recording
-from grid_mapper.session_files import save_session
-from grid_mapper.session_run import TakenUp, first_scans
+from grid_mapper.session_files import load_session, save_session
+from grid_mapper.session_run import TakenUp, all_of, first_scans
 from grid_mapper.sweeps import SweepOrder
 
 OnScan = Callable[[MapRun], None]
@@ -89,6 +89,9 @@ def run_closing(
     if sessions.save is not None:
         problem = _save(sessions.save, localizer, open_all())
         recording.problem = recording.problem or problem
+        if problem is None:  # it may have replaced the one to go on with
+            saved = load_session(sessions.save, config)
+            open_all = lambda: all_of(saved, recording)  # noqa: E731
     started = time.perf_counter()
     localizer.closer.finish()
     finish_ms = 1e3 * (time.perf_counter() - started)

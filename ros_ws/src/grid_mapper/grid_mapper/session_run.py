@@ -96,6 +96,11 @@ def together(session: Session, rest: Recording) -> Recording:
     return replace(rest, source=lambda recording: chain(session.events(), rest.events()))
 
 
+def all_of(session: Session, recording: Recording) -> Recording:
+    """Return all events of a session in place of a recording's."""
+    return replace(recording, source=lambda _: session.events())
+
+
 def first_scans(recording: Recording, num: int) -> Iterator[Event]:
     """Yield the events of a recording up to the scan behind `num` scans."""
     left = num
