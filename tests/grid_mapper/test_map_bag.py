@@ -325,6 +325,63 @@ def test_another_recording_of_the_same_time_goes_on_with_a_session(tmp_path, cap
     assert [summary[f"scans{k}"] for k in ("", "_used", "_untrusted")] == [21, 21, 0]
 
 
+def elsewhere_then_room(path, num_elsewhere, num_room):
+    """Write a drive whose first scans are of a hall that is nowhere in the room."""
+    ranges = [2.0 * room_ranges(-0.5)] * num_elsewhere
+    ranges += [room_ranges(0.03 + 0.05 * k) for k in range(num_room)]
+    late_ns = START_NS + 10**6 * NS
+    messages = [("/tf_static", late_ns, tf_message(transform(late_ns, "base_link", "laser")))]
+    for k, of_scan in enumerate(ranges):
+        stamp_ns = late_ns + k * NS // 10
+        scan = scan_message(stamp_ns, of_scan)
+        scan.angle_min, scan.angle_increment = -np.pi, 2 * np.pi / NUM_ROOM_BEAMS
+        x = 0.05 * max(k - num_elsewhere, 0)
+        odom = tf_message(transform(stamp_ns, "odom", "base_link", x=x))
+        messages += [("/tf", stamp_ns, odom), ("/scan", stamp_ns + 1, scan)]
+    return write_bag(path, messages, "mcap")
+
+
+def test_a_recording_that_is_nowhere_in_a_session_is_left_out_and_not_saved(tmp_path, capsys):
+    session, one, two = tmp_path / "room.session", tmp_path / "one", tmp_path / "two"
+    room = room_bag(tmp_path / "a", 12)
+    assert run(room, "--out", one, "--save-session", session, "--quiet") == 0
+    saved = session.read_bytes()
+    hall = elsewhere_then_room(tmp_path / "hall", 5, 0)
+    words = ("--session", session, "--save-session", session, "--quiet")
+    assert run(hall, "--out", two, *words) == 1
+    error = capsys.readouterr().err
+    assert "was not found in the session room.session: start a recording near its last" in error
+    assert session.read_bytes() == saved
+    for name in ("trajectory.tum", "map.pgm"):
+        assert (two / name).read_bytes() == (one / name).read_bytes()
+    summary = summary_of(two)
+    assert [summary[k] for k in ("ok", "partial", "scans", "scans_used", "scans_unplaced")] == [
+        False, True, 17, 12, 5,
+    ]  # fmt: skip
+    assert summary["duration_s"] == pytest.approx(1.1) and summary["real_time_factor"] is None
+
+
+def test_scans_before_the_robot_is_found_in_a_session_are_left_out(tmp_path, capsys):
+    session, both = tmp_path / "room.session", tmp_path / "both.session"
+    room = room_bag(tmp_path / "a", 12)
+    assert run(room, "--out", tmp_path / "one", "--save-session", session, "--quiet") == 0
+    bag = elsewhere_then_room(tmp_path / "bag", 4, 6)
+    words = ("--session", session, "--save-session", both)
+    assert run(bag, "--out", tmp_path / "two", *words) == 0
+    assert "met: 4 before the robot was found" in capsys.readouterr().out
+    poses = load_tum(tmp_path / "two" / "trajectory.tum")
+    assert len(poses) == 18
+    ahead = [pose.x for _, pose in poses[12:]]
+    assert ahead == pytest.approx([0.03 + 0.05 * k for k in range(6)], abs=0.02)
+    summary = summary_of(tmp_path / "two")
+    assert summary["duration_s"] == pytest.approx(1.1 + 0.5)  # not the days between
+    assert summary["path_m"] == pytest.approx(0.55 + 0.25, abs=0.02)  # nor the way
+    assert run(bag, "--out", tmp_path / "three", "--session", both, "--quiet") == 0
+    for name in ("trajectory.tum", "map.pgm"):
+        again = (tmp_path / "three" / name).read_bytes()
+        assert again == (tmp_path / "two" / name).read_bytes()
+
+
 def test_sessions_that_cannot_be_are_one_line_and_leave_nothing(tmp_path, capsys):
     first, second = room_bag(tmp_path / "a", 6), room_bag(tmp_path / "b", 6, begin=0.1)
     one, two, out = tmp_path / "one.session", tmp_path / "two.session", tmp_path / "out"

@@ -122,6 +122,14 @@ class LoopClosingLocalizer:
         held = [k for k, frame in enumerate(frames) if len(frame.points)]
         return sorted(held, key=lambda k: poses[0].between(poses[k]).distance)[:num]
 
+    def leave_out_unplaced(self, first: int) -> int:
+        """Forget the scans from one on that came before one was trusted; return how many."""
+        last = first
+        while last < len(self._followed) and not self._followed[last].is_trusted:
+            last += 1
+        del self._followed[first:last]
+        return last - first
+
     def known_poses(self) -> list[KnownPose]:
         """Return the pose of every scan so far, as the graph has it now."""
         frames, scans = self.closer.frames, self._followed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from grid_mapper.loop_warm_up import warm_up_loops
 from grid_mapper.map_rebuild import MapRebuild
 from grid_mapper.map_run import MapRun, run_mapper
 from grid_mapper.recordings import Recording
-from grid_mapper.session_files import load_session, save_session
+from grid_mapper.session_files import Session, load_session, save_session
 from grid_mapper.session_run import TakenUp, all_of, first_scans
 from grid_mapper.sweeps import SweepOrder
 
@@ -79,24 +79,26 @@ def run_closing(
     """
     warm_up_loops()
     before, mapper = sessions.before, LayeredMapper(config)
-    localizer, rest, open_all = LoopClosingLocalizer(config), recording, open_again
+    localizer, rest = LoopClosingLocalizer(config), recording
     if before is not None:
         localizer, rest = before.localizer, before.rest(recording)
-        open_all = lambda: before.all(open_again())  # noqa: E731
     found = run_mapper(rest, localizer, max_scans, on_scan[0])
     if before is not None and before.taken is None:
-        recording.counts.scans += before.session.num_scans
-    if sessions.save is not None:
-        problem = _save(sessions.save, localizer, open_all())
-        recording.problem = recording.problem or problem
-        if problem is None:  # it may have replaced the one to go on with
-            saved = load_session(sessions.save, config)
-            open_all = lambda: all_of(saved, recording)  # noqa: E731
+        before = _placed(before, localizer, recording, found)
+
+    def open_all() -> Recording:
+        return open_again() if before is None else before.all(open_again())
+
+    saved = None
+    if sessions.save is not None and (before is None or not before.is_lost(localizer)):
+        saved = _saved(sessions.save, localizer, open_all(), recording)
     started = time.perf_counter()
     localizer.closer.finish()
     finish_ms = 1e3 * (time.perf_counter() - started)
     poses = localizer.known_poses()
-    run = run_mapper(open_all(), MapRebuild(mapper, poses), len(poses), on_scan[1])
+    # what was saved may have replaced the session to go on with
+    events = open_all() if saved is None else all_of(saved, recording)
+    run = run_mapper(events, MapRebuild(mapper, poses), len(poses), on_scan[1])
     run.finish_ms = finish_ms
     run.is_interrupted |= found.is_interrupted
     both = zip(found.scan_ms, run.scan_ms[-len(found.scan_ms) :], strict=False)
@@ -104,12 +106,34 @@ def run_closing(
     return ClosedRun(run, mapper, localizer.closer, localizer.sweeps)
 
 
-def _save(path: Path, localizer: LoopClosingLocalizer, events: Recording) -> str | None:
-    """Save the session; return why that was not possible, for the map is worth having without."""
+def _placed(
+    before: TakenUp, localizer: LoopClosingLocalizer, recording: Recording, found: MapRun
+) -> TakenUp:
+    """Leave out the scans of another recording that came before the robot was found."""
+    num = localizer.leave_out_unplaced(before.session.num_scans)
+    before = replace(before, unplaced=num)
+    recording.counts.unplaced = num
+    recording.counts.scans += before.session.num_scans
+    found.scan_ms = found.scan_ms[num:]
+    if before.is_lost(localizer):
+        problem = (
+            f"the robot was not found in the session {before.session.path.name}: start a recording"
+            " near its last or first pose; this one is left out, and no session saved"
+        )
+        recording.problem = "; ".join(filter(None, (recording.problem, problem)))
+    return before
+
+
+def _saved(
+    path: Path, localizer: LoopClosingLocalizer, events: Recording, recording: Recording
+) -> Session | None:
+    """Save the session; if that is not possible say so, for the map is worth having without."""
     try:
         save_session(path, localizer, first_scans(events, localizer.num_scans))
+        return load_session(path, localizer.config)
     except (OSError, ValueError) as error:
-        return f"the session could not be saved: {error}"
+        problem = f"the session could not be saved: {error}"
+        recording.problem = recording.problem or problem
     return None
 
 

@@ -85,7 +85,8 @@ def screen_text(summary: dict[str, Any]) -> str:
     odd = {
         "without transform": s["scans_without_transform"], "stamps going back":
         s["stamps_backwards"], "stamps repeated": s["stamps_repeated"], "jumps back in time":
-        s["time_jumps"], "malformed": s["malformed"],
+        s["time_jumps"], "malformed": s["malformed"], "before the robot was found":
+        s["scans_unplaced"],
     }  # fmt: skip
     if any(odd.values()):
         lines.append("met: " + ", ".join(f"{n} {name}" for name, n in odd.items() if n))

@@ -31,8 +31,8 @@ from grid_mapper.trajectory_metrics import (
 
 SUMMARY_KEYS = (
     "scans", "scans_used", "scans_untrusted", "scans_without_transform", "stamps_backwards",
-    "stamps_repeated", "time_jumps", "malformed", "ranges", "ranges_placed", "ranges_counted",
-    "ranges_void", "ranges_unplaced", "infrared_frames", "glass_cells", "path_m", "duration_s",
+    "stamps_repeated", "time_jumps", "malformed", "scans_unplaced",
+    "ranges", "ranges_placed", "ranges_counted", "ranges_void", "ranges_unplaced", "infrared_frames", "glass_cells", "path_m", "duration_s",
     "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
     "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
     "relations_used", "relations_total", "relations_worst", "relations_published", "ate_m",
@@ -153,7 +153,7 @@ def _no_relation_matched(inputs: MapInputs, run: MapRun, num_total: int) -> str:
 
 
 def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, Any]:
-    counts, stamps = recording.counts, [stamp_ns for stamp_ns, _ in run.trajectory]
+    counts, stretches = recording.counts, run.stretches()
     return {
         "scans": counts.scans,
         "scans_used": len(run.trajectory) if recording.has_laser else 0,
@@ -163,14 +163,15 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
         "stamps_repeated": counts.stamps_repeated,
         "time_jumps": counts.jumps,
         "malformed": counts.malformed,
+        "scans_unplaced": counts.unplaced,
         "ranges": run.num_ranges,
         "infrared_frames": sorted(counts.infrared),
-        "path_m": path_length(run.trajectory),
-        "duration_s": (max(stamps) - min(stamps)) * 1e-9 if stamps else 0.0,
+        "path_m": sum(map(path_length, stretches), 0.0),
+        "duration_s": _seconds(stretches),
         "ms_median": run.ms_quantile(0.5),
         "ms_p99": run.ms_quantile(0.99),
         "ms_max": run.ms_quantile(1.0),
-        "real_time_factor": _real_time_factor(stamps, run),
+        "real_time_factor": _real_time_factor(run),
         "peak_mb": round(peak_memory_mb(), 1),
         "input": inputs.name,
         "input_format": inputs.format,
@@ -179,10 +180,18 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
     }
 
 
-def _real_time_factor(stamps: list[int], run: MapRun) -> float | None:
-    """Return the time that was recorded over the time that the mapper took."""
+def _seconds(stretches: list[Trajectory]) -> float:
+    """Return the time recorded, without what lies between one stretch and the next."""
+    stamps = [[stamp_ns for stamp_ns, _ in stretch] for stretch in stretches]
+    return sum(max(part) - min(part) for part in stamps) * 1e-9
+
+
+def _real_time_factor(run: MapRun) -> float | None:
+    """Return the time that was recorded, of scans that were timed, over what the mapper took."""
+    timed = run.scan_ms or run.range_ms
     took = 1e-3 * (sum(run.scan_ms) + sum(run.range_ms) + run.finish_ms)
-    return (max(stamps) - min(stamps)) * 1e-9 / took if stamps and took > 0.0 else None
+    first = max(len(run.trajectory) - len(run.scan_ms), 0) if run.scan_ms else 0
+    return _seconds(run.stretches(first)) / took if timed and took > 0.0 else None
 
 
 def _compare_truth(run: MapRun, truth: Trajectory, summary: dict[str, Any]) -> None:

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -74,6 +75,7 @@ class MapRun:
         scan_ms: Time the mapper took for each scan, ms.
         range_ms: Time the mapper took for each sonar reading, ms.
         finish_ms: Time the mapper took behind the last scan, ms.
+        jumps: Places in the trajectory before which time or the robot jumped.
         is_interrupted: True after Ctrl-C.
     """
 
@@ -82,12 +84,18 @@ class MapRun:
     scan_ms: list[float] = field(default_factory=list)
     range_ms: list[float] = field(default_factory=list)
     finish_ms: float = 0.0
+    jumps: list[int] = field(default_factory=list)
     is_interrupted: bool = False
 
     @property
     def num_ranges(self) -> int:
         """Readings of sonars met on the way."""
         return len(self.range_ms)
+
+    def stretches(self, first: int = 0) -> list[list[tuple[int, SE2]]]:
+        """Return the trajectory from a place on, parted where time or the robot jumped."""
+        ends = [first, *(k for k in self.jumps if k > first), len(self.trajectory)]
+        return [self.trajectory[a:b] for a, b in pairwise(ends) if b > a]
 
     def ms_quantile(self, share: float) -> float | None:
         """Return a quantile of the time per scan, ms; None before the first scan."""
@@ -129,6 +137,7 @@ def run_mapper(
 
 def _insert(run: MapRun, mapper: ScanMapper, event: ScanEvent) -> None:
     if event.follows_jump:
+        run.jumps.append(len(run.trajectory))
         mapper.break_motion()
     started = time.perf_counter()
     result = mapper.insert_scan(event.stamp_ns, event.scan, event.T_base_laser, event.T_odom_base)

@@ -21,15 +21,21 @@ class TakenUp:
         session: What was saved.
         localizer: As it was then; goes on.
         taken: Events of the recording that it has taken; None for another recording.
+        unplaced: Scans of another recording before the robot was found in the session.
     """
 
     session: Session
     localizer: LoopClosingLocalizer
     taken: int | None
+    unplaced: int = 0
+
+    def is_lost(self, localizer: LoopClosingLocalizer) -> bool:
+        """Tell whether not one scan of another recording was found in the session."""
+        return self.unplaced > 0 and localizer.num_scans == self.session.num_scans
 
     def rest(self, recording: Recording) -> Recording:
         """Return what of the recording is left to take."""
-        return rest_of(recording, self.taken)
+        return rest_of(recording, self.taken, self.unplaced)
 
     def all(self, recording: Recording) -> Recording:
         """Return all events of the session, and then what is left of the recording."""
@@ -68,11 +74,11 @@ def num_taken(session: Session, recording: Recording) -> int | None:
     return None
 
 
-def rest_of(recording: Recording, taken: int | None) -> Recording:
+def rest_of(recording: Recording, taken: int | None, unplaced: int = 0) -> Recording:
     """Return what a session has not taken yet.
 
-    Another recording begins with a jump, whatever its stamps are; readings before its first scan
-    are left out, as no scan says where they were taken.
+    Another recording begins with a jump, whatever its stamps are, behind its first `unplaced`
+    scans; readings before that are left out, as no scan says where they were taken.
     """
     original = recording
 
@@ -80,10 +86,11 @@ def rest_of(recording: Recording, taken: int | None) -> Recording:
         events = original.events()  # which notes there what it meets
         for _ in range(taken or 0):
             next(events)
-        is_begun = taken is not None
+        is_begun, left = taken is not None, unplaced
         for event in events:
             if not is_begun:
-                if not isinstance(event, ScanEvent):
+                left -= isinstance(event, ScanEvent)
+                if left >= 0:
                     continue
                 is_begun, event = True, replace(event, follows_jump=True)
             yield event

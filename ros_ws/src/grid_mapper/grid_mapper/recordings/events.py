@@ -137,6 +137,7 @@ class Counts:
         stamps_repeated: Scans with the stamp of the scan before them.
         jumps: Times the whole recording jumped back in time.
         malformed: Lines or messages that could not be read or used.
+        unplaced: Scans left out: the robot was not yet found in the session gone on with.
         infrared: Frames of infrared rangers, which see through glass: left out.
     """
 
@@ -146,6 +147,7 @@ class Counts:
     stamps_repeated: int = 0
     jumps: int = 0
     malformed: int = 0
+    unplaced: int = 0
     infrared: set[str] = field(default_factory=set)
 
 
