@@ -111,6 +111,37 @@ def test_gzip_is_read_directly_and_a_cut_one_as_far_as_it_goes(tmp_path):
     assert "cut off" in recording.problem
 
 
+def test_a_log_cut_in_the_middle_of_a_line_says_so_and_no_half_number_counts(tmp_path):
+    lines = [flaser((5, 5, 1), (0.1 * i, 0, 0), 10 + i) for i in range(5)]
+    whole, last = "\n".join(lines[:4]) + "\n", lines[-1]
+    for left in range(1, last.rindex(" ")):
+        (tmp_path / "cut").write_text(whole + last[:left])
+        recording, events = read(tmp_path / "cut")
+        assert recording.problem == "cut is cut off in the middle of line 5"
+        assert [e.stamp_ns for e in events] == [k * NS for k in range(10, 14)]
+
+
+def test_a_last_line_without_an_end_is_whole_if_it_has_all_words(tmp_path):
+    lines = [flaser((5, 5, 1), (0.1 * i, 0, 0), 10 + i) for i in range(5)]
+    for end in ("", "\n", "\r\n"):
+        (tmp_path / "log").write_bytes(("\n".join(lines) + end).encode())
+        recording, events = read(tmp_path / "log")
+        assert recording.problem is None and len(events) == 5
+
+
+def test_a_pose_graph_cut_before_its_edges_says_that_first(tmp_path):
+    rng, lines = np.random.default_rng(0), []
+    for i in range(40):
+        ranges = " ".join(f"{r:.9f}" for r in rng.uniform(1, 9, 20))
+        fan = f"0 -1.5 3.0 0.15 50 0.1 0 20 {ranges} 0"
+        lines.append(f"VERTEX2 {i} {i} 0 0\nROBOTLASER1 {fan} 0 0 0 0 0 0 0 0 0 0 0 {i} h 7")
+    lines += [f"EDGE2 {i} {i + 1} 1 0 0 1 0 1 1 0 0" for i in range(39)]
+    packed = gzip.compress("\n".join(lines).encode())
+    (tmp_path / "cut").write_bytes(packed[: len(packed) // 2])
+    with pytest.raises(RecordingError, match="cut off or damaged .* no EDGE2 from vertex 0 to 1"):
+        read(tmp_path / "cut")
+
+
 def rawlaser(t, kind="RAWLASER1", nothing=81.9):
     return f"{kind} 0 -1.5708 3.1416 0.7854 81.9 0.01 0 4 1 2 {nothing} 4 0 {t} host {t}"
 

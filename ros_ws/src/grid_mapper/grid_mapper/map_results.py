@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,8 @@ from grid_mapper.trajectory_metrics import (
 SUMMARY_KEYS = (
     "scans", "scans_used", "scans_untrusted", "scans_without_transform", "stamps_backwards",
     "stamps_repeated", "time_jumps", "malformed", "scans_unplaced",
-    "ranges", "ranges_placed", "ranges_counted", "ranges_void", "ranges_unplaced", "infrared_frames", "glass_cells", "path_m", "duration_s",
+    "ranges", "ranges_placed", "ranges_counted", "ranges_void", "ranges_unplaced",
+    "infrared_frames", "glass_cells", "path_m", "duration_s",
     "relations_trans_m", "relations_trans_median_m", "relations_trans_std_m",
     "relations_rot_deg", "relations_rot_median_deg", "relations_rot_std_deg",
     "relations_used", "relations_total", "relations_worst", "relations_published", "ate_m",
@@ -180,7 +182,7 @@ def _figures(inputs: MapInputs, recording: Recording, run: MapRun) -> dict[str, 
     }
 
 
-def _seconds(stretches: list[Trajectory]) -> float:
+def _seconds(stretches: Sequence[Trajectory]) -> float:
     """Return the time recorded, without what lies between one stretch and the next."""
     stamps = [[stamp_ns for stamp_ns, _ in stretch] for stretch in stretches]
     return sum(max(part) - min(part) for part in stamps) * 1e-9

@@ -89,7 +89,9 @@ def rest_of(recording: Recording, taken: int | None, unplaced: int = 0) -> Recor
         is_begun, left = taken is not None, unplaced
         for event in events:
             if not is_begun:
-                left -= isinstance(event, ScanEvent)
+                if not isinstance(event, ScanEvent):
+                    continue
+                left -= 1
                 if left >= 0:
                     continue
                 is_begun, event = True, replace(event, follows_jump=True)

@@ -44,7 +44,7 @@ def open_posegraph(path: Path, options: RecordingOptions) -> Recording:
                 edges.setdefault(pair, SE2(*(float(word) for word in words[3:6])))
         except (ValueError, IndexError, TypeError):
             num_malformed += 1
-    poses = _chain(path, sorted(lasers), edges) if options.use_odom else {}
+    poses = _chain(text.problem, path, sorted(lasers), edges) if options.use_odom else {}
     entries = [
         LogEntry(line.stamp_ns, line.scan, poses.get(i)) for i, line in sorted(lasers.items())
     ]
@@ -55,7 +55,9 @@ def open_posegraph(path: Path, options: RecordingOptions) -> Recording:
     )  # fmt: skip
 
 
-def _chain(path: Path, ids: list[int], edges: dict[tuple[int, int], SE2]) -> dict[int, SE2]:
+def _chain(
+    problem: str | None, path: Path, ids: list[int], edges: dict[tuple[int, int], SE2]
+) -> dict[int, SE2]:
     """Return the pose of each vertex by the sequential edges, from the first vertex."""
     poses = {ids[0]: SE2.identity()} if ids else {}
     for before, after in zip(ids, ids[1:], strict=False):
@@ -65,8 +67,8 @@ def _chain(path: Path, ids: list[int], edges: dict[tuple[int, int], SE2]) -> dic
             step = edges[after, before].inverse()
         else:
             raise RecordingError(
-                f"{path}: no EDGE2 from vertex {before} to {after}, so there is no odometry:"
-                " map without with --no-odom"
+                f"{path}: {f'{problem}; ' if problem else ''}no EDGE2 from vertex {before} to"
+                f" {after}, so there is no odometry: map without with --no-odom"
             )
         poses[after] = poses[before] @ step
     return poses

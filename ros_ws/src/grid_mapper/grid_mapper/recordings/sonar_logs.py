@@ -78,7 +78,7 @@ def open_eight_sonars(path: Path, options: RecordingOptions) -> Recording:
     yaws = [radians(bearing) for bearing in EIGHT_BEARINGS_DEG]
     return _recording(
         "log of eight sonars", path, rows, yaws, EIGHT_MAX_M, f"poses: {EIGHT_POSES}, as they are",
-        ranges.num_malformed + poses.num_malformed, num_unplaced,
+        ranges.num_malformed + poses.num_malformed, num_unplaced, ranges.problem or poses.problem,
     )  # fmt: skip
 
 
@@ -98,29 +98,32 @@ def open_sonar_ring(path: Path, options: RecordingOptions) -> Recording:
     yaws = [-2.0 * pi * k / RING_SIZE for k in range(RING_SIZE)]
     info = "poses: none, the robot is taken as standing still, as asked"
     num_malformed = log.num_malformed - 1  # the head
-    return _recording("SCITOS log", path, rows, yaws, RING_MAX_M, info, num_malformed, 0)
+    return _recording(
+        "SCITOS log", path, rows, yaws, RING_MAX_M, info, num_malformed, 0, log.problem
+    )
 
 
 @dataclass(frozen=True)
 class _Numbers:
-    """Rows of numbers, and how many lines are none."""
+    """Rows of numbers, how many lines are none, and why reading stopped early."""
 
     rows: list[tuple[float, ...]]
     num_malformed: int
+    problem: str | None
 
 
 def _numbers(path: Path, num: int) -> _Numbers:
     """Return the first `num` columns of each line that has them."""
     rows: list[tuple[float, ...]] = []
-    lines = read_words(path).lines
-    for words in (" ".join(words).replace(",", " ").split() for words in lines):
+    text = read_words(path)
+    for words in (" ".join(words).replace(",", " ").split() for words in text.lines):
         try:
             row = tuple(float(word) for word in words[:num])
         except ValueError:
             continue
         if len(row) == num:
             rows.append(row)
-    return _Numbers(rows, len(lines) - len(rows))
+    return _Numbers(rows, len(text.lines) - len(rows), text.problem)
 
 
 def _recording(
@@ -132,12 +135,13 @@ def _recording(
     pose_info: str,
     num_malformed: int,
     num_unplaced: int,
+    problem: str | None,
 ) -> Recording:
     if not rows:
         raise RecordingError(f"{path} has no readable row with a pose ({name})")
 
     def source(recording: Recording) -> Iterator[RangeEvent]:
-        counts = recording.counts
+        counts, recording.problem = recording.counts, problem
         counts.malformed, counts.without_transform = num_malformed, num_unplaced
         for row in rows:
             for k, (value, yaw) in enumerate(zip(row.ranges, yaws, strict=True), 1):
