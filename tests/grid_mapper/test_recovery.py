@@ -218,3 +218,28 @@ def test_said_where_it_is_it_goes_on_at_a_place_that_no_recent_scan_shows(use_od
     lost.is_said_at(truth @ SE2(0.2, -0.2, 0.1), np.diag([0.25, 0.25, 0.07]))
     results = [insert(way[4], way[44] if use_odom else None) for _ in range(3)]
     assert results[-1].is_trusted and is_near(results[-1].T_map_base, truth)
+
+
+def test_when_odometry_jumps_a_word_on_where_the_robot_is_still_counts(grid):
+    robot, truth = Robot(grid, is_frozen=True), round_the_ring(60)[20]
+    node_config = GridMapperNodeConfig(start_map="ring", keep_start_map=True)
+    lost = LostRobot(robot.mapper, robot.recovery, node_config)
+    lost.is_said_at(truth, np.diag([0.2, 0.2, 0.1]) ** 2)
+    blind, scan = scan_at(SE2(50.0, 0.0, 0.0), WALLS), scan_at(truth, WALLS, range_max=8.0)
+    assert not lost.is_jump(0, HERE)
+    assert lost.look(blind, HERE, HERE) is None  # of before the simulator began anew
+    far = SE2(4.0, 0.0, 2.0)
+    assert lost.is_jump(NS // 10, far)
+    found = [lost.look(scan, HERE, far) for _ in range(2)]
+    assert found[0] is None and is_near(found[1], truth)
+    assert lost.found_words(found[1], 2 * NS).endswith("after 2.0 s")
+
+
+def test_a_jump_of_odometry_while_lost_is_looked_for_in_the_whole_map(grid):
+    robot, way = Robot(grid, is_frozen=True), round_the_ring(120)
+    lost = LostRobot(robot.mapper, robot.recovery, GridMapperNodeConfig(start_map="ring"))
+    robot.drive(way[20:26])
+    lost.restart()
+    results, found_at = robot.drive(way[26:40])
+    assert len(found_at) == 1 and is_near(results[-1].T_map_base, way[39])
+    assert not any(r.is_trusted for r in results[: found_at[0]])

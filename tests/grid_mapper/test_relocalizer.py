@@ -101,6 +101,24 @@ def test_said_about_where_it_is_one_look_is_enough(in_ring):
     assert isinstance(answer, Found) and is_near(answer.T_map_base, truth)
 
 
+def test_a_place_elsewhere_that_fits_better_is_no_rival_of_where_it_is_said_to_be():
+    rooms = [box(x - 2.0, -1.5, x + 2.0, 1.5) for x in (-3.0, 3.0)]
+    niche = box(-3.0 - 1.9, 0.9, -3.0 - 1.3, 1.4)  # tells up from down
+    rooms += [niche, niche + (6.0, 0.0, 6.0, 0.0)]
+    chest = box(0.2, -1.4, 0.8, -0.4)
+    walls = np.vstack((*rooms, chest + (3.0, 0.0, 3.0, 0.0)))
+    relocalizer = Relocalizer(CONFIG)
+    relocalizer.take(NewMap(map_of(walls, [SE2(x, 0.2, 0.0) for x in (-3.6, -2.4, 2.4, 3.6)])))
+    now = np.vstack((*rooms, chest + (-3.0, 0.0, -3.0, 0.0)))  # the chest stands elsewhere by now
+    truth = SE2(-3.4, 0.3, 0.2)
+    prior = Prior(truth @ SE2(0.1, -0.1, 0.05), np.diag([0.2, 0.2, 0.1]) ** 2)
+    answer = relocalizer.take(looks_at(now, [truth], prior)[0])
+    assert isinstance(answer, Found) and is_near(answer.T_map_base, truth)
+    relocalizer.take(Forget())
+    anywhere = relocalizer.take(looks_at(now, [truth])[0])
+    assert isinstance(anywhere, NotFound)
+
+
 def test_a_wrong_word_on_where_it_is_is_not_believed(in_ring):
     truth = round_the_ring(60)
     prior = Prior(truth[45], np.diag([0.3, 0.3, 0.2]) ** 2)

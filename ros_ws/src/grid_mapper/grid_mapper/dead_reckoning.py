@@ -35,8 +35,15 @@ def is_reset(
     """Tell whether odometry jumped by more than a robot can move."""
     if T_odom_base is None or last is None or last.T_odom_base is None:
         return False
-    moved = last.T_odom_base.between(T_odom_base)
-    dt = abs(stamp_ns - last.stamp_ns) * 1e-9 + RESET_SLACK_S
+    return has_jumped(last.stamp_ns, last.T_odom_base, stamp_ns, T_odom_base, config)
+
+
+def has_jumped(
+    last_ns: int, T_odom_last: SE2, stamp_ns: int, T_odom_base: SE2, config: MotionConfig
+) -> bool:
+    """Tell whether two poses by odometry are further apart than a robot can move."""
+    moved = T_odom_last.between(T_odom_base)
+    dt = abs(stamp_ns - last_ns) * 1e-9 + RESET_SLACK_S
     return moved.distance > config.max_speed * dt or abs(moved.yaw) > config.max_turn_rate * dt
 
 

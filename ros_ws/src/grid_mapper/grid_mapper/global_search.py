@@ -39,11 +39,7 @@ class GlobalSearch:
     def __init__(self, grid: OccupancyMap) -> None:
         self.surfaces = surfaces_of(grid)
         self._is_empty = not len(self.surfaces)
-        if self._is_empty:
-            return
-        self._field, self._corner = score_field(self.surfaces.points)
-        self._fields = [_best_of_blocks(self._field, size) for size in BLOCK_CELLS]
-        self._free = [self._free_blocks(grid, size) for size in BLOCK_CELLS]
+        self._grid: OccupancyMap | None = grid
 
     def find(self, query: np.ndarray, share: float, num: int) -> list[Peak]:
         """Return where points fit best, and wherever they fit by `share` of that.
@@ -55,6 +51,7 @@ class GlobalSearch:
         """
         if self._is_empty or not len(query):
             return []
+        self._prepare()
         query = np.ascontiguousarray(query[:: max(1, -(-len(query) // MAX_POINTS))])
         radius = float(np.quantile(np.hypot(query[:, 0], query[:, 1]), 0.8))
         turn_step = min(BLOCK_CELLS[-1] * CELL_M / max(radius, 1.0), 0.1)
@@ -65,6 +62,15 @@ class GlobalSearch:
             step = BLOCK_CELLS[-1] * CELL_M
             peaks.append(refined_peak(self._field, self._corner, query, start, step, turn_step))
         return _apart(peaks, share, num)
+
+    def _prepare(self) -> None:
+        """Make the fields, once they are needed: a robot that is told where it is needs none."""
+        if self._grid is None:
+            return
+        self._field, self._corner = score_field(self.surfaces.points)
+        self._fields = [_best_of_blocks(self._field, size) for size in BLOCK_CELLS]
+        self._free = [self._free_blocks(self._grid, size) for size in BLOCK_CELLS]
+        self._grid = None
 
     def _coarse(
         self, query: np.ndarray, turns: np.ndarray, share: float

@@ -10,10 +10,11 @@ import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
+from grid_mapper.after_jump import WAY_M, Guess, looked_at, settled
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.dead_reckoning import Step, is_reset, motion_since
 from grid_mapper.key_scans import KeyScans
-from grid_mapper.match_verdict import ScanResult, blind, is_found, objection, undetermined
+from grid_mapper.match_verdict import ScanResult, blind, objection, undetermined
 from grid_mapper.motion import updated_velocity
 from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
@@ -51,7 +52,7 @@ class ScanLocalizer:
         self._start_cov: np.ndarray | None = None
         self._is_lost = False
         self._first_pose: SE2 | None = None
-        self._guesses: list[SE2] = []  # where the robot may be after a jump; empty if it knows
+        self._guesses: list[Guess] = []  # where the robot may be after a jump; empty if it knows
         self._last: Step | None = None
         self._keys = KeyScans()
         self.sweeps = SweepOrder()
@@ -90,7 +91,7 @@ class ScanLocalizer:
         points = points_of(scan, T_base_laser, self.config.matcher)
         motion = self.config.motion
         if is_reset(self._last, stamp_ns, T_odom_base, motion):
-            self.break_motion()
+            self._guess_anew(0.0)
         if self._last is None and not self._matcher.is_empty:
             self._begin_in_map(stamp_ns)
         moved, cov_moved, dt = motion_since(self._last, stamp_ns, T_odom_base, motion)
@@ -99,7 +100,10 @@ class ScanLocalizer:
         elif self._matcher.is_empty:
             result, near = self._first(len(points)), np.zeros((3, 3))
         elif self._guesses:
-            result, near = self._search(points, moved), np.diag(VAGUE_SIGMAS**2)
+            result, near = (
+                self._search(points, moved, T_odom_base is not None),
+                np.diag(VAGUE_SIGMAS**2),
+            )
         else:
             result, near = self._track(points, moved, cov_moved)
         pose = result.T_map_base
@@ -135,22 +139,29 @@ class ScanLocalizer:
     def break_motion(self, T_map_first: SE2 | None = None) -> None:
         """Go on after time or odometry jumped: the map stays, the robot may be anywhere.
 
-        It counts as found again where a scan fits the map well near the newest pose or near the
-        first one (a recording that starts again), or where `relocate` says.
+        It counts as found again where scans go on to fit the map well near the newest pose or near
+        the first one (a recording that starts again), or where `relocate` says; only there after
+        `lose`.
 
         Args:
             T_map_first: Where the first pose lies by now; by default where it was.
         """
-        if self._last is None or self._first_pose is None:
-            return
-        T_last, first = self._last.T_map_base, T_map_first or self._first_pose
-        self.relocate(T_last)
-        self._guesses = [T_last, first]
+        self._guess_anew(WAY_M, T_map_first)
 
     @property
     def num_bytes(self) -> int:
         """Bytes held by the map to match to."""
         return self._matcher.num_bytes
+
+    def _guess_anew(self, way_m: float, T_map_first: SE2 | None = None) -> None:
+        """Guess where the robot is; near the newest pose it is believed after a way of `way_m`."""
+        if self._last is None or self._first_pose is None:
+            return
+        T_last, was_lost = self._last.T_map_base, self._is_lost
+        self.relocate(T_last)
+        self._is_lost = was_lost
+        if not was_lost:
+            self._guesses = [Guess(T_last, way_m), Guess(T_map_first or self._first_pose)]
 
     def _begin_in_map(self, stamp_ns: int) -> None:
         """Begin where the robot was said to be in a map that is there."""
@@ -210,18 +221,20 @@ class ScanLocalizer:
         twist = sweep_twist(moved, dt, self.config.motion)
         self.sweeps.learn(scan, T_base_laser, twist, fit)
 
-    def _search(self, points: SurfacePoints, moved: SE2) -> ScanResult:
-        """Look for the robot where it may be; believe only a scan that fits the map well."""
-        cov = np.diag(VAGUE_SIGMAS**2)
-        self._guesses = [guess @ moved for guess in self._guesses]
-        fits = [self._matcher.match(points, guess, cov) for guess in self._guesses]
-        best = max(fits, key=lambda fit: fit.overlap * fit.agreement)
-        if is_found(best, self.config):
-            self._guesses = []
-            cov = np.linalg.inv(np.linalg.inv(cov) + best.information)
-            return ScanResult(best.T_map_base, cov, True, "", best.overlap, "", best.information)
-        reason = f"time or odometry jumped, and {100 * best.overlap:.0f} % of the scan fits the map"
-        return ScanResult(self._guesses[0], cov, False, reason, best.overlap)
+    def _search(self, points: SurfacePoints, moved: SE2, has_odom: bool) -> ScanResult:
+        """Look for the robot where it may be; believe only a place that scans go on to fit."""
+        cov, config = np.diag(VAGUE_SIGMAS**2), self.config
+        fits = [self._matcher.match(points, guess.pose @ moved, cov) for guess in self._guesses]
+        pairs = zip(self._guesses, fits, strict=True)
+        self._guesses = [looked_at(guess, fit, moved, has_odom, config) for guess, fit in pairs]
+        k = settled(self._guesses)
+        if k is not None:
+            self._guesses, fit = [], fits[k]
+            cov = np.linalg.inv(np.linalg.inv(cov) + fit.information)
+            return ScanResult(fit.T_map_base, cov, True, "", fit.overlap, "", fit.information)
+        overlap = max(fit.overlap for fit in fits)
+        reason = f"time or odometry jumped, and {100 * overlap:.0f} % of the scan fits the map"
+        return ScanResult(self._guesses[0].pose, cov, False, reason, overlap)
 
     def _remember(
         self, stamp_ns: int, T_odom_base: SE2 | None, result: ScanResult, near: np.ndarray,

@@ -70,6 +70,7 @@ class Recovery:
         self._map: OccupancyMap | None = None
         self.is_active, self.reason, self.num_found = False, "", 0
         self._number = 0
+        self._prior: Prior | None = None
         self._looked: dict[int, SE2] = {}
         self._last: SE2 | None = None
 
@@ -93,6 +94,14 @@ class Recovery:
         self.is_active, self.reason = True, UNHEARD
         self._looked, self._last = {}, None
         return True
+
+    def restart(self) -> bool:
+        """Look from now on after odometry jumped; what somebody said lately stays said.
+
+        Returns:
+            Whether there is a map to look in.
+        """
+        return self.start(self._prior if self.is_active else None)
 
     def stop(self) -> None:
         """Look no more: somebody else knows."""
@@ -128,11 +137,9 @@ class Recovery:
             self._worker.close()
 
     def _take(self, answer: NotFound) -> None:
-        assert self._worker is not None
         self.reason = answer.reason
         if self._prior is not None and self._num_looks >= LOOKS_AT_PRIOR:
             self._prior = None
-            self._worker.send(Forget())
 
     def _is_apart(self, T_odom_base: SE2) -> bool:
         if self._last is None:

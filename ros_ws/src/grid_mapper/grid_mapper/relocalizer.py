@@ -5,7 +5,9 @@ before is moved on by odometry and fitted again: a place counts by how all looks
 as seen from it by odometry. It is believed once two looks at least fit well, the map's walls are
 not seen through, nothing in the map is left that fits about as well, and the looks, and the parts
 of the newest, agree where they are in every direction. Until then the robot has to drive on: like
-rooms differ somewhere, and furniture that was moved comes out of sight.
+rooms differ somewhere, and furniture that was moved comes out of sight. Where somebody says about
+where the robot is, one look is enough, and only what that allows is a rival; the whole map is
+searched only when nothing there fits.
 """
 
 from __future__ import annotations
@@ -16,15 +18,22 @@ import numpy as np
 
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.correlative_search import find_peaks, is_same_peak
+from grid_mapper.correlative_search import Peak, find_peaks, is_same_peak
 from grid_mapper.global_search import GlobalSearch
 from grid_mapper.key_frames import KeyFrame
 from grid_mapper.loop_verification import seen_through
 from grid_mapper.map_surfaces import round_place
 from grid_mapper.match_scatter import scatter_of
 from grid_mapper.motion import odometry_motion, rotated
-from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound
-from grid_mapper.relocation_places import MAX_PLACES, Place, PlaceFit, distinct
+from grid_mapper.relocation_messages import Forget, Found, Look, NewMap, NotFound, Prior
+from grid_mapper.relocation_places import (
+    MAX_PLACES,
+    Place,
+    PlaceFit,
+    distinct,
+    largest_sigma,
+    misfit,
+)
 from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
 
@@ -34,7 +43,7 @@ SEARCH_SHARE = 0.7
 STEP_ASIDE_M, SAME_M, SHARE_ASIDE = 0.3, 0.08, 0.9
 """A place a step aside, further than `SAME_M`, must not fit by this share as well."""
 ASIDE = "fits about as well a little aside: drive on"
-BETTER = 0.02
+NOT_THERE = "the scan does not fit where the robot is said to be"
 ENOUGH = 0.35
 """A place that fits all looks together by less than this share of the best is out."""
 START_COV = np.diag([0.1, 0.1, 0.05]) ** 2
@@ -92,31 +101,69 @@ class Relocalizer:
         self._follow(look)
         frame = KeyFrame(0, SE2.identity(), np.zeros((3, 3)), points, look.scan, look.T_base_laser)
         self._looks.append((look, frame))
-        places = [self._seen_again(place) for place in self._places]
-        places += [self._place(pose) for pose in self._starts(points, look)]
+        self._places = [self._seen_again(place) for place in self._places]
+        if look.prior is None:
+            return self._look_anywhere(points, look)
+        answer = self._look_near(points, look, look.prior)
+        if answer is not None:
+            return answer
+        answer = self._look_anywhere(points, look)
+        if isinstance(answer, NotFound):
+            answer = NotFound(look.number, f"{NOT_THERE}; in the whole map: {answer.reason}")
+        return answer
+
+    def _look_near(
+        self, points: SurfacePoints, look: Look, prior: Prior
+    ) -> Found | NotFound | None:
+        """Look where the robot is said to be; return None if the looks do not fit there."""
+        near = self._surroundings(prior.T_map_base, prior.window[0]).points
+        peaks = find_peaks(near, points.points, prior.T_map_base, prior.window, MAX_PLACES)
+        there = [place for place in self._places if prior.has(place.pose)]
+        places = [place for place in self._ranked(there, peaks) if prior.has(place.pose)]
+        if not places or misfit(places[0], self._config.relocation):
+            return None
+        self._places = places
+        return self._judged(points, look)
+
+    def _look_anywhere(self, points: SurfacePoints, look: Look) -> Found | NotFound:
+        """Look in the whole map."""
+        assert self._search is not None
+        peaks = self._search.find(points.points, SEARCH_SHARE, MAX_PLACES)
+        self._places = self._ranked(self._places, peaks)
+        return self._judged(points, look, self._config.relocation.way_m)
+
+    def _ranked(self, places: list[Place], peaks: list[Peak]) -> list[Place]:
+        """Return places and where peaks are, the best first, those out of the question left out."""
+        poses = [place.pose for place in places]
+        for peak in peaks:
+            if all(not is_same_peak(peak.pose, other) for other in poses):
+                poses.append(peak.pose)
         share = max(self._config.relocation.rival_share ** len(self._looks), ENOUGH)
-        self._places = distinct(places, share)
-        believable = [p for p in self._places if look.prior is None or look.prior.has(p.pose)]
-        if not believable:
-            return NotFound(look.number, "the scan does not fit where the robot is said to be")
-        best = believable[0]
-        reason = self._objection(look, best, len(believable) - 1)
+        return distinct(places + [self._place(pose) for pose in poses[len(places) :]], share)
+
+    def _judged(self, points: SurfacePoints, look: Look, way_m: float = 0.0) -> Found | NotFound:
+        """Return the best place, if all speaks for it and looks were taken that far apart."""
+        if not self._places:
+            return NotFound(look.number, "the scan fits nowhere in the map")
+        best = self._places[0]
+        reason = self._objection(best, len(self._places) - 1, way_m)
         if not reason:
             best, is_clear = self._settled(best)
-            reason = self._objection(look, best, 0) if is_clear else ASIDE
-        if reason:
-            return NotFound(look.number, reason)
-        return self._claim(look.number, points, best)
+            reason = self._objection(best, 0, way_m) if is_clear else ASIDE
+        return NotFound(look.number, reason) if reason else self._claim(look.number, points, best)
 
     def _claim(self, number: int, points: SurfacePoints, best: Place) -> Found | NotFound:
         """Return a place that all else speaks for, unless parts of the newest look tell others."""
-        assert self._search is not None
         scatter = scatter_of(self._matcher, points, best.pose, START_COV)
-        sigma = _sigma(scatter)
+        sigma = largest_sigma(scatter)
         if sigma > self._config.relocation.max_sigma_m:
             return NotFound(number, f"parts of the scan disagree ({sigma:.2f} m): drive on")
-        seen = round_place(self._search.surfaces, best.pose.x, best.pose.y, SURROUNDINGS_M)
+        seen = self._surroundings(best.pose)
         return Found(number, best.pose, self._cov(best) + scatter, seen)
+
+    def _surroundings(self, pose: SE2, beside_m: float = 0.0) -> SurfacePoints:
+        assert self._search is not None
+        return round_place(self._search.surfaces, pose.x, pose.y, SURROUNDINGS_M + beside_m)
 
     def _follow(self, look: Look) -> None:
         """Move the places found before on by odometry."""
@@ -124,21 +171,6 @@ class Relocalizer:
             return
         moved = self._looks[-1][0].T_odom_base.between(look.T_odom_base)
         self._places = [Place(place.pose @ moved, place.fits) for place in self._places]
-
-    def _starts(self, points: SurfacePoints, look: Look) -> list[SE2]:
-        """Return where this look fits and those before did not."""
-        assert self._search is not None
-        peaks = self._search.find(points.points, SEARCH_SHARE, MAX_PLACES)
-        if look.prior is not None:
-            at, window = look.prior.T_map_base, look.prior.window
-            near = round_place(self._search.surfaces, at.x, at.y, SURROUNDINGS_M + window[0])
-            peaks = find_peaks(near.points, points.points, at, window, MAX_PLACES) + peaks
-        known = [place.pose for place in self._places]
-        num_known = len(known)
-        for peak in peaks:
-            if all(not is_same_peak(peak.pose, other) for other in known):
-                known.append(peak.pose)
-        return known[num_known:]
 
     def _seen_again(self, place: Place) -> Place:
         """Return a place with the newest look's fit there."""
@@ -174,45 +206,32 @@ class Relocalizer:
 
     def _contradiction(self, frame: KeyFrame, pose: SE2) -> float:
         """Return the share of the map's walls that a scan sees through."""
-        assert self._search is not None
-        near = round_place(self._search.surfaces, pose.x, pose.y, SURROUNDINGS_M)
-        return seen_through(frame, near.moved(pose.inverse()))
+        return seen_through(frame, self._surroundings(pose).moved(pose.inverse()))
 
-    def _objection(self, look: Look, best: Place, num_rivals: int) -> str:
+    def _objection(self, best: Place, num_rivals: int, way_m: float) -> str:
         """Return why the best place is not believed; "" if it is."""
         config = self._config.relocation
-        matches = [fit.match for fit in best.fits]
-        overlap = float(np.mean([m.overlap for m in matches]))
-        agreement = float(np.mean([m.agreement for m in matches]))
-        through = float(np.mean([fit.contradiction for fit in best.fits]))
-        if min(overlap, matches[0].overlap + 0.1) < config.min_overlap:
-            return f"at best {100 * overlap:.0f} % of the scan fits the map"
-        if min(agreement, matches[0].agreement + 0.1) < config.min_agreement:
-            return f"what is near the map does not lie on it: agreement {agreement:.2f}"
-        if through > config.max_contradiction:
-            return f"{100 * through:.0f} % of the map's walls are seen through"
+        if reason := misfit(best, config):
+            return reason
         if num_rivals:
             return f"fits about as well at {num_rivals} other places: drive on"
-        if self._places[0].log_quality > best.log_quality + BETTER:
-            return "fits better elsewhere than where the robot is said to be"
-        sigma = _sigma(self._cov(best))
+        sigma = largest_sigma(self._cov(best))
         if sigma > config.max_sigma_m:
             return f"the scans leave a direction open ({sigma:.2f} m): drive on"
         if self._disagreement(best) > config.agree_m:
             return "the looks do not agree on the place"
-        if look.prior is None and self._way() < config.way_m:
-            return f"fits at one place; a second look {config.way_m:g} m on has to say so too"
+        if self._way() < way_m:
+            return f"fits at one place; a second look {way_m:g} m on has to say so too"
         return ""
 
     def _disagreement(self, place: Place) -> float:
         """Return how far the two newest looks are from each other, less what odometry errs, m."""
         if len(self._looks) < 2:
             return 0.0
-        earlier, newest = (look.T_odom_base for look, _ in list(self._looks)[-2:])
-        driven = earlier.between(newest)
-        first, second = (fit.match.T_map_base for fit in (place.fits[1], place.fits[0]))
-        off = driven.between(first.between(second)).distance
-        return off - self._config.motion.slip * (driven.distance + abs(driven.yaw))
+        driven = self._looks[-2][0].T_odom_base.between(self._looks[-1][0].T_odom_base)
+        seen = place.fits[1].match.T_map_base.between(place.fits[0].match.T_map_base)
+        slack = self._config.motion.slip * (driven.distance + abs(driven.yaw))
+        return driven.between(seen).distance - slack
 
     def _way(self) -> float:
         """Return how far from the newest look another was taken, m."""
@@ -221,8 +240,7 @@ class Relocalizer:
 
     def _cov(self, place: Place) -> np.ndarray:
         """Return the covariance of a place: what its newest look's match says, and odometry."""
-        information = np.linalg.inv(np.diag([1.0, 1.0, 0.5]))
-        newest = self._looks[-1][0]
+        information, newest = np.linalg.inv(np.diag([1.0, 1.0, 0.5])), self._looks[-1][0]
         pairs = zip(place.fits, reversed(self._looks), strict=True)
         for fit, (look, _) in pairs:
             moved = newest.T_odom_base.between(look.T_odom_base)
@@ -230,8 +248,3 @@ class Relocalizer:
             own = fit.match.information + 1e-3 * np.eye(3)
             information += np.linalg.inv(np.linalg.inv(own) + drift)
         return np.asarray(np.linalg.inv(information))
-
-
-def _sigma(cov: np.ndarray) -> float:
-    """Return the deviation of a position in its least certain direction, m."""
-    return float(np.sqrt(np.linalg.eigvalsh(cov[:2, :2]).max()))

@@ -21,6 +21,7 @@ from typing import Any
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper import loop_localizer
+from grid_mapper.after_jump import Guess
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.dead_reckoning import Step
 from grid_mapper.key_frames import Edge, KeyFrame
@@ -29,7 +30,7 @@ from grid_mapper.recordings.events import Event, RangeEvent, ScanEvent
 from grid_mapper.session_codec import packed, unpacked
 from grid_mapper.surface_points import SurfacePoints
 
-FORMAT, VERSION = "floornav mapping session", 3
+FORMAT, VERSION = "floornav mapping session", 4
 EVENTS_A_PART = 500
 LEFT_OUT = frozenset({"config", "_key", "_solver"})
 """Attributes that follow from the parameters or from the rest."""
@@ -37,7 +38,7 @@ KINDS: dict[str, type] = {
     kind.__name__: kind
     for kind in (
         SE2, Scan, SurfacePoints, KeyFrame, Edge, ScanEvent, RangeEvent, Step,
-        loop_localizer._Followed,
+        Guess, loop_localizer._Followed,
     )
 }  # fmt: skip
 _DATE = (1980, 1, 1, 0, 0, 0)  # the same session gives the same bytes

@@ -52,7 +52,9 @@ class GridMapperNode(FloornavNode):
         self._maps.has_news = start is not None
         self._poses: MatchedPoses | GivenPoses
         if has_own_poses:
-            recovery = make_recovery(mapper_config, start, lambda: self._maps.laser_map)
+            recovery = make_recovery(
+                mapper_config, start, config.keep_start_map, lambda: self._maps.laser_map
+            )
             self._poses = MatchedPoses(self, self._mapper, config, recovery, self._warn)
         else:
             self._poses = GivenPoses(self, self._mapper, config, self._warn)

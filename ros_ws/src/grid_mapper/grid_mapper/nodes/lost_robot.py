@@ -8,6 +8,7 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperNodeConfig
+from grid_mapper.dead_reckoning import has_jumped
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.recovery import Recovery
 from grid_mapper.relocation_messages import Prior
@@ -37,6 +38,8 @@ class LostRobot:
     def begin(self) -> None:
         """Begin anew: in a map that was made before the robot is anywhere."""
         self._untrusted_since_ns: int | None = None
+        self._odom: tuple[int, SE2] | None = None
+        self._looked_for_since_ns: int | None = None
         self._recovery.stop()
         if self._has_start_map:
             self._recovery.start()
@@ -64,14 +67,51 @@ class LostRobot:
         self._recovery.stop()
         self._mapper.relocate(pose, cov, self._recovery.surroundings(pose))
 
-    def look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None) -> None:
-        """Look for the robot if it is lost; go on where it is found."""
+    def restart(self) -> None:
+        """Look in the whole map that there is, or near the word that still counts: a jump.
+
+        Before there is a map it goes on where scans fit near the newest or the first pose.
+        """
+        self._odom = None
+        self._mapper.break_motion()
+        if self.config.use_odom and self._recovery.restart():
+            self._mapper.lose()
+
+    def is_jump(self, stamp_ns: int, T_odom_base: SE2 | None) -> bool:
+        """Take odometry at a scan; tell whether it jumped further than a robot can move.
+
+        What was looked at before counts no longer then; a mapper that is not lost sees to itself.
+        """
+        last = self._odom
+        self._odom = None if T_odom_base is None else (stamp_ns, T_odom_base)
+        if not self._recovery.is_active:
+            self._looked_for_since_ns = None
+        elif self._looked_for_since_ns is None:
+            self._looked_for_since_ns = stamp_ns
+        if last is None or T_odom_base is None:
+            return False
+        is_jump = has_jumped(*last, stamp_ns, T_odom_base, self._mapper.config.motion)
+        if is_jump and self._recovery.is_active:
+            self._recovery.restart()
+        return is_jump
+
+    def look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None) -> SE2 | None:
+        """Look for the robot if it is lost; go on where it is found, and return that."""
         if not self._recovery.is_active or T_odom_base is None:
-            return
+            return None
         clipped = self._mapper.config.clipped(scan)
         found = self._recovery.look(clipped, T_base_laser, T_odom_base)
-        if found is not None:
-            self._mapper.relocate(found.T_map_base, found.cov, found.seen)
+        if found is None:
+            return None
+        self._mapper.relocate(found.T_map_base, found.cov, found.seen)
+        return found.T_map_base
+
+    def found_words(self, pose: SE2, stamp_ns: int) -> str:
+        """Return where the robot was found, and how long it was looked for."""
+        since_ns = self._looked_for_since_ns
+        after_s = 0.0 if since_ns is None else max(0.0, (stamp_ns - since_ns) * 1e-9)
+        place = f"x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {np.rad2deg(pose.yaw):.0f} deg"
+        return f"found at {place} after {after_s:.1f} s"
 
     def judge(self, stamp_ns: int, is_trusted: bool, is_lost: bool) -> None:
         """Begin to look once the robot has been lost for so long."""

@@ -81,11 +81,20 @@ def read_start_map(config: GridMapperNodeConfig) -> StartMap | None:
 def make_recovery(
     config: GridMapperConfig,
     start: StartMap | None,
+    is_frozen: bool,
     mapped: Callable[[], OccupancyMap | None],
 ) -> Recovery:
-    """Return what brings a lost robot back, in the map to begin with or in what was mapped."""
-    return Recovery(
-        config,
-        lambda: ProcessWorker(Relocalizer, config),
-        mapped if start is None else lambda: start.laser,
-    )
+    """Return what brings a lost robot back.
+
+    Args:
+        config: When to look, and when a place is believed.
+        start: The map to begin with.
+        is_frozen: Whether that stays as it is; else the robot is looked for in what it became.
+        mapped: Gives the newest map; None before the first.
+    """
+
+    def current() -> OccupancyMap | None:
+        newest = None if is_frozen and start is not None else mapped()
+        return start.laser if newest is None and start is not None else newest
+
+    return Recovery(config, lambda: ProcessWorker(Relocalizer, config), current)

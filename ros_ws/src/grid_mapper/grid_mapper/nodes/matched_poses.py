@@ -112,7 +112,11 @@ class MatchedPoses:
         stamp_ns = messages.stamp_to_ns(stamp)
         T_odom_base = T_target_base if self._config.use_odom else None
         started = time.perf_counter()
-        self._lost.look(scan, T_base_laser, T_odom_base)
+        if self._lost.is_jump(stamp_ns, T_odom_base):
+            self.lose()
+        found = self._lost.look(scan, T_base_laser, T_odom_base)
+        if found is not None:
+            self._node.get_logger().info(self._lost.found_words(found, stamp_ns))
         result = self._mapper.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
         self._report.note(result, 1e3 * (time.perf_counter() - started))
         self._take(result, stamp, T_odom_base)
@@ -132,7 +136,7 @@ class MatchedPoses:
 
     def _restart(self) -> None:
         """Begin anew in the map that is there: stamps jumped back."""
-        self._mapper.break_motion()
+        self._lost.restart()
         self.lose()
 
     def _watch_scans(self) -> None:
