@@ -120,8 +120,11 @@ def test_a_folder_of_bags_or_logs_names_them(tmp_path):
     with pytest.raises(RecordingError, match=f"name one of the bags in it: {names}$"):
         read(tmp_path)
     (tmp_path / "logs").mkdir()
-    (tmp_path / "logs" / "a.log").write_text("FLASER\n")
-    with pytest.raises(RecordingError, match=r"name a file if it is a log: a\.log"):
+    (tmp_path / "logs" / "a.log").write_text("# of today\n\nFLASER\n")
+    (tmp_path / "logs" / "a.relations").write_text("1.0 2.0 0.1 0 0 0 0 0.1\n")
+    (tmp_path / "logs" / "b.gz").write_bytes(b"\x1f\x8bno")
+    (tmp_path / "logs" / "c.log").write_text("VERTEX2 0 0 0 0\n")
+    with pytest.raises(RecordingError, match=r"if it is a log: a\.log, c\.log$"):
         read(tmp_path / "logs")
 
 

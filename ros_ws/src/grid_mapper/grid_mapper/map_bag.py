@@ -21,8 +21,14 @@ from grid_mapper.config import GridMapperConfig
 from grid_mapper.config_file import load_mapper_config
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_run import Sessions, loop_figures, run_closing
-from grid_mapper.map_bag_options import add_input_options, recording_options
-from grid_mapper.map_results import SUMMARY_KEYS, MapInputs, write_results
+from grid_mapper.map_bag_options import (
+    add_comparison_options,
+    add_input_options,
+    map_inputs,
+    recording_name,
+    recording_options,
+)
+from grid_mapper.map_results import SUMMARY_KEYS, write_results
 from grid_mapper.map_run import MapRun, run_mapper
 from grid_mapper.pose_graph import load_solver
 from grid_mapper.recordings import (
@@ -32,11 +38,9 @@ from grid_mapper.recordings import (
     open_recording,
 )
 from grid_mapper.recordings.listing import describe_recording
-from grid_mapper.relations import load_relations
 from grid_mapper.session_files import load_session
 from grid_mapper.session_run import take_up
 from grid_mapper.sonar_mount import infrared_warning
-from grid_mapper.trajectory_metrics import load_tum
 
 COMMAND = "map_bag"
 
@@ -50,7 +54,9 @@ def main(argv: list[str] | None = None) -> int:
         if args.list:
             say("\n".join(describe_recording(args.recording, options)))
             return 0
-        inputs = _inputs(args)
+        inputs = map_inputs(args, recording_name(args.recording))
+        if args.out is not None and Path(args.out).is_file():
+            raise ValueError(f"--out {args.out} is a file: name a folder for the results")
         if config.loop_closing:
             load_solver()
         _check_sessions(args, config)
@@ -60,7 +66,7 @@ def main(argv: list[str] | None = None) -> int:
         raise UserError(" ".join(str(error).split())) from error
     for line in recording.info:
         say(f"  {line}", is_quiet=args.quiet)
-    out = reporting.open_out_dir(COMMAND, _name(args.recording), args.out)
+    out = reporting.open_out_dir(COMMAND, inputs.name, args.out)
     values: dict[str, Any] = dict.fromkeys(SUMMARY_KEYS)
     with reporting.summary(out, command=COMMAND, seed=args.seed, values=values) as summary:
         run, mapper = _run(args, recording, options, config, sessions, summary)
@@ -94,12 +100,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--max-scans", type=_positive_int, metavar="N", help="stop after N scans")
     add("--session", type=Path, metavar="FILE", help="go on with a session that was saved")
     add("--save-session", type=Path, metavar="FILE", help="save the session to go on with it")
-    add("--relations", type=Path, metavar="FILE", help="known relations: t1 t2 x y z r p yaw")
-    add("--relations-tol", type=_not_negative, default=0.002, metavar="S",
-        help="how far a relation's stamp may be from a pose (default: 0.002 s)")  # fmt: skip
-    add("--relations-offset", type=float, default=0.0, metavar="S",
-        help="added to the trajectory's stamps to compare them (default: 0 s)")  # fmt: skip
-    add("--gt", type=Path, metavar="TUM", help="ground truth for ATE and RPE")
+    add_comparison_options(parser)
     return parser
 
 
@@ -146,18 +147,6 @@ def _sessions(
     return Sessions(take_up(before, open_recording(args.recording, options)), args.save_session)
 
 
-def _inputs(args: argparse.Namespace) -> MapInputs:
-    """Read the files to compare with before anything is mapped, so that a bad one costs nothing."""
-    return MapInputs(
-        name=_name(args.recording),
-        title="/".join(args.recording.resolve().parts[-2:]),
-        relations=None if args.relations is None else load_relations(args.relations),
-        relations_tolerance_ns=round(args.relations_tol * 1e9),
-        relations_offset_ns=round(args.relations_offset * 1e9),
-        truth=None if args.gt is None else load_tum(args.gt),
-    )
-
-
 def _run(
     args: argparse.Namespace, recording: Recording, options: RecordingOptions,
     config: GridMapperConfig, sessions: Sessions, summary: dict[str, Any],
@@ -195,25 +184,10 @@ def _shown(progress: Progress, total: int | None, before: int = 0) -> Callable[[
     return on_scan
 
 
-def _name(path: Path) -> str:
-    """Return the name of a recording without its endings."""
-    name = path.resolve().name
-    for ending in (".gz", ".zstd", ".log", ".dat", ".db3", ".mcap", ".bag"):
-        name = name.removesuffix(ending)
-    return name
-
-
 def _positive_int(text: str) -> int:
     value = int(text)
     if value < 1:
         raise argparse.ArgumentTypeError(f"must be at least 1, got {value}")
-    return value
-
-
-def _not_negative(text: str) -> float:
-    value = float(text)
-    if not value >= 0.0:
-        raise argparse.ArgumentTypeError(f"must be 0 or more, got {value}")
     return value
 
 

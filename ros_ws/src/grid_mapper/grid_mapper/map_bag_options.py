@@ -1,14 +1,24 @@
-"""Options of `map_bag` that say what of a recording is used, and how."""
+"""Options of `map_bag` that say what of a recording is used, how, and what it is compared with."""
 
 from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
 
 from floornav_common.frames import FrameConfig
 from floornav_common.se2 import SE2
+from grid_mapper.map_results import MapInputs
 from grid_mapper.recordings import RecordingOptions
 from grid_mapper.recordings.events import WheelOptions
+from grid_mapper.relations import load_relations
+from grid_mapper.trajectory_metrics import load_tum
+
+T = TypeVar("T")
+RELATIONS_TOL_S = 0.002
+ENDINGS = (".gz", ".zstd", ".log", ".dat", ".db3", ".mcap", ".bag")
 
 
 def add_input_options(parser: argparse.ArgumentParser) -> None:
@@ -40,6 +50,67 @@ def add_input_options(parser: argparse.ArgumentParser) -> None:
         help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
     add("--half-axle", type=float, default=wheels.half_axle_m, metavar="M",
         help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
+
+
+def add_comparison_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say what the result is compared with."""
+    add = parser.add_argument
+    add("--relations", type=Path, metavar="FILE", help="known relations: t1 t2 x y z r p yaw")
+    add("--relations-tol", type=_not_negative, metavar="S",
+        help=f"how far a relation's stamp may be from a pose (default: {RELATIONS_TOL_S} s)",
+        )  # fmt: skip
+    add("--relations-offset", type=float, metavar="S",
+        help="added to the trajectory's stamps to compare them (default: 0 s)")  # fmt: skip
+    add("--gt", type=Path, metavar="TUM", help="ground truth for ATE and RPE")
+
+
+def map_inputs(args: argparse.Namespace, name: str) -> MapInputs:
+    """Read the files to compare with before anything is mapped, so that a bad one costs nothing.
+
+    Raises:
+        ValueError: One cannot be read, or something is said of one that is not there.
+    """
+    tolerance, offset = args.relations_tol, args.relations_offset
+    if args.relations is None:
+        for option, value in (("--relations-tol", tolerance), ("--relations-offset", offset)):
+            if value is not None:
+                raise ValueError(f"{option} is of the relations in --relations FILE: name it too")
+    tolerance = RELATIONS_TOL_S if tolerance is None else tolerance
+    return MapInputs(
+        name=name,
+        title="/".join(args.recording.resolve().parts[-2:]),
+        relations=_read("--relations", args.relations, load_relations),
+        relations_tolerance_ns=round(tolerance * 1e9),
+        relations_offset_ns=round((0.0 if offset is None else offset) * 1e9),
+        truth=_read("--gt", args.gt, load_tum),
+    )
+
+
+def _read(option: str, path: Path | None, load: Callable[[Path], T]) -> T | None:
+    """Read the file of an option, if there is one."""
+    if path is None:
+        return None
+    if path.is_dir():
+        raise ValueError(f"{option} {path} is a folder: name a file")
+    try:
+        return load(path)
+    except OSError as error:
+        raise ValueError(f"{option} {path}: {error.strerror or error}") from error
+
+
+def recording_name(path: Path) -> str:
+    """Return the name of a recording without its endings."""
+    name = path.resolve().name
+    for ending in ENDINGS:
+        name = name.removesuffix(ending)
+    return name
+
+
+def _not_negative(text: str) -> float:
+    value = float(text)
+    if not value >= 0.0:
+        raise argparse.ArgumentTypeError(f"must be 0 or more, got {value}")
+    return value
 
 
 def recording_options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:

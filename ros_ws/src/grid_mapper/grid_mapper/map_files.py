@@ -24,6 +24,7 @@ from floornav_common.se2 import SE2
 MODES = ("trinary", "scale", "raw")
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 PIXEL_UNKNOWN, PIXEL_FREE, PIXEL_OCCUPIED = 205, 254, 0
+A_MAP_FILE = "which is the .yaml that map_bag or save_map wrote"
 
 
 def save_map(
@@ -98,12 +99,15 @@ def load_map(path: Path | str) -> OccupancyMap:
 
     Raises:
         FileNotFoundError: If one of the two is not there.
-        ValueError: If a key is missing or no finite number, or the image cannot be read.
+        ValueError: If a key is missing or no finite number, or one of the two cannot be read.
     """
     path = Path(path)
-    header = yaml.safe_load(path.read_text())
+    try:
+        header = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError):
+        raise ValueError(f"{path} is not a map file, {A_MAP_FILE}: it is not YAML") from None
     if not isinstance(header, dict):
-        raise ValueError(f"{path} is not a map file: it holds no mapping of keys to values")
+        raise ValueError(f"{path} is not a map file, {A_MAP_FILE}: it holds no keys with values")
     missing = [k for k in ("image", "resolution", "origin") if k not in header]
     if missing:
         raise ValueError(f"{path} lacks {', '.join(missing)}")

@@ -12,6 +12,8 @@ from grid_mapper.glass_files import GLASS
 from grid_mapper.map_files import load_map
 from grid_mapper.map_surfaces import is_free, is_occupied
 
+IMAGE_ENDINGS = (".pgm", ".png", ".bmp", ".jpg", ".jpeg", ".ppm")
+
 
 @dataclass(frozen=True)
 class StartMap:
@@ -34,6 +36,7 @@ def load_start_map(path: Path | str) -> StartMap:
         OSError: If a file is not there.
     """
     path = Path(path)
+    _require_map_file(path)
     grid = load_map(path)
     if not is_occupied(grid).any():
         raise ValueError(f"{path} holds no obstacle: nothing in it can be found again")
@@ -47,6 +50,16 @@ def load_start_map(path: Path | str) -> StartMap:
     row, col, inside = _cells_at(grid, points)
     cells[row[inside], col[inside]] = FREE
     return StartMap(grid, OccupancyMap(cells, grid.resolution, grid.origin))
+
+
+def _require_map_file(path: Path) -> None:
+    """Refuse what is beside a map's file, and say what to give instead."""
+    if path.is_dir():
+        inside = path / "map.yaml"
+        example = f"{inside}" if inside.exists() else "a .yaml file of map_bag or save_map"
+        raise ValueError(f"{path} is a folder: give the map in it, {example}")
+    if path.suffix.lower() in IMAGE_ENDINGS:
+        raise ValueError(f"{path} is an image: give the map's file, {path.with_suffix('.yaml')}")
 
 
 def known_cells(grid: OccupancyMap, resolution: float) -> tuple[np.ndarray, np.ndarray]:

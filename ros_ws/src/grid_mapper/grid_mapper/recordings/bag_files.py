@@ -85,7 +85,9 @@ def _nothing_in(path: Path, found: list[Path]) -> str:
     inside = [str(f.relative_to(path)) for f in _bags_below(path, NUM_LEVELS)]
     if inside:
         return f"{text}; name one of the bags in it: {_listed(inside)}"
-    logs = [f.name for f in found if f.is_file() and f.name != METADATA_NAME]
+    from grid_mapper.recordings.formats import is_log  # which reads bags too
+
+    logs = [f.name for f in found if f.is_file() and is_log(f)]
     return f"{text}; name a file if it is a log: {', '.join(logs[:NUM_NAMED])}" if logs else text
 
 

@@ -60,6 +60,18 @@ def open_recording(path: str | Path, options: RecordingOptions | None = None) ->
     raise RecordingError(f"{path} is of no known format; known are: {SUPPORTED}")
 
 
+def is_log(path: Path) -> bool:
+    """Tell by its first lines whether a file is a text log of a known kind."""
+    try:
+        head = read_head(path)
+    except (RecordingError, OSError):
+        return False
+    lines = head.decode(errors="replace").splitlines()
+    return b"\x00" not in head and any(
+        words[0] == "VERTEX2" or _opener_of(words) for words in map(str.split, lines) if words
+    )
+
+
 def _log_opener(path: Path) -> Opener | None:
     """Return what reads a text log; None if no line of it is of a known kind.
 
