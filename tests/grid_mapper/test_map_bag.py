@@ -312,6 +312,15 @@ def test_a_session_taken_up_gives_the_files_of_one_run(tmp_path, monkeypatch, sa
         assert (tmp_path / saved_as).read_bytes() == at_once.read_bytes()
 
 
+def test_progress_ends_at_all_and_says_which_time_it_is(tmp_path, capsys):
+    bag, session = room_bag(tmp_path / "bag"), tmp_path / "room.session"
+    part = ("--max-scans", "8", "--save-session", session)
+    assert run(bag, "--out", tmp_path / "a", *part) == 0
+    assert "mapping: 100 %  maps of 8 scans, 0 not trusted" in capsys.readouterr().out
+    assert run(bag, "--out", tmp_path / "b", "--session", session) == 0
+    assert "mapping: 100 %  maps of 20 scans, 0 not trusted" in capsys.readouterr().out
+
+
 def test_a_saved_session_changes_no_file(tmp_path):
     bag = room_bag(tmp_path / "bag")
     assert run(bag, "--out", tmp_path / "a", "--quiet") == 0

@@ -161,24 +161,37 @@ def _run(
             run = run_mapper(recording, mapper, args.max_scans, _shown(progress, total))
         summary.update(beam_order=mapper.laser.sweeps.words(config.deskew) or None)
         return run, mapper
-    total = total if sessions.before is None else None
-    passes = 2 * total if total is not None else None
+    first, second = _amounts(sessions, total)
+    passes = None if first is None or second is None else first + second
     with Progress("mapping", passes, is_quiet=args.quiet) as progress:
+        again = _shown(progress, passes, first or 0, "maps of ")
         closed = run_closing(
             recording, lambda: open_recording(args.recording, options), config, args.max_scans,
-            (_shown(progress, passes), _shown(progress, passes, total or 0)), sessions,
+            (_shown(progress, passes), again), sessions,
         )  # fmt: skip
     summary.update(loop_figures(closed.closer))
     summary.update(beam_order=closed.sweeps.words(config.deskew) or None)
     return closed.run, closed.mapper
 
 
-def _shown(progress: Progress, total: int | None, before: int = 0) -> Callable[[MapRun], None]:
+def _amounts(sessions: Sessions, total: int | None) -> tuple[int | None, int | None]:
+    """Return how many scans poses are found for, and how many maps are made of then."""
+    if sessions.before is None or total is None:
+        return total, total
+    held = sessions.before.session.num_scans
+    new = total if sessions.before.taken is None else max(total - held, 0)
+    return new, held + new
+
+
+def _shown(
+    progress: Progress, total: int | None, before: int = 0, what: str = ""
+) -> Callable[[MapRun], None]:
     """Return what shows the progress of a run, behind `before` scans of another."""
 
     def on_scan(run: MapRun) -> None:
         done = before + len(run.trajectory)
-        note = f"{len(run.trajectory)} scans, {len(run.untrusted)} not trusted"
+        done = done if total is None else min(done, total)
+        note = f"{what}{len(run.trajectory)} scans, {len(run.untrusted)} not trusted"
         progress.update(done, note, is_last=done == total)
 
     return on_scan
