@@ -99,6 +99,9 @@ class Robot:
         self._lost.look(scan, HERE, self._odom)
         search_s = time.process_time() - started
         result = self._mapper.insert_scan(self._stamp_ns, scan, HERE, self._odom)
+        result = self._lost.checked(self._stamp_ns, scan, HERE, result)
+        if self._lost.is_looked_for:
+            self._tracking.lose()
         self._tracking.update(self._stamp_ns, result.is_trusted, NODE.lost_after_s)
         is_lost = self._tracking.is_lost
         self._lost.judge(self._stamp_ns, result.is_trusted, is_lost)

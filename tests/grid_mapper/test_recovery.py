@@ -20,6 +20,7 @@ from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_session import LoopSession
 from grid_mapper.map_files import save_map
 from grid_mapper.nodes.lost_robot import LostRobot
+from grid_mapper.nodes.match_report import found_words
 from grid_mapper.overlay import on_cells_of
 from grid_mapper.recovery import Recovery
 from grid_mapper.relocalizer import Relocalizer
@@ -232,7 +233,11 @@ def test_when_odometry_jumps_a_word_on_where_the_robot_is_still_counts(grid):
     assert lost.is_jump(NS // 10, far)
     found = [lost.look(scan, HERE, far) for _ in range(2)]
     assert found[0] is None and is_near(found[1], truth)
-    assert lost.found_words(found[1], 2 * NS).endswith("after 2.0 s")
+    assert lost.looked_for_s(2 * NS) == pytest.approx(2.0)
+    assert (
+        found_words(SE2(1.0, -2.0, np.pi), 2.04)
+        == "found at x 1.00 m, y -2.00 m, yaw 180 deg after 2.0 s"
+    )
 
 
 def test_a_jump_of_odometry_while_lost_is_looked_for_in_the_whole_map(grid):

@@ -47,6 +47,21 @@ def has_jumped(
     return moved.distance > config.max_speed * dt or abs(moved.yaw) > config.max_turn_rate * dt
 
 
+class OdometryWatch:
+    """Tells when odometry jumps from one scan to the next."""
+
+    def __init__(self) -> None:
+        self._last: tuple[int, SE2] | None = None
+
+    def take(self, stamp_ns: int, T_odom_base: SE2 | None, config: MotionConfig) -> bool:
+        """Take odometry at a scan; None where there is none."""
+        last = self._last
+        self._last = None if T_odom_base is None else (stamp_ns, T_odom_base)
+        if last is None or T_odom_base is None:
+            return False
+        return has_jumped(*last, stamp_ns, T_odom_base, config)
+
+
 def motion_since(
     last: Step | None, stamp_ns: int, T_odom_base: SE2 | None, config: MotionConfig
 ) -> tuple[SE2, np.ndarray, float]:

@@ -68,6 +68,7 @@ class Recovery:
         self._config, self._make_worker, self._current_map = config, make_worker, current_map
         self._worker: Worker | None = None
         self._map: OccupancyMap | None = None
+        self._surfaces: tuple[OccupancyMap, SurfacePoints] | None = None
         self.is_active, self.reason, self.num_found = False, "", 0
         self._number = 0
         self._prior: Prior | None = None
@@ -112,7 +113,9 @@ class Recovery:
         grid = self._current_map()
         if grid is None:
             return None
-        near = round_place(surfaces_of(grid), pose.x, pose.y, SURROUNDINGS_M)
+        if self._surfaces is None or self._surfaces[0] is not grid:
+            self._surfaces = grid, surfaces_of(grid)
+        near = round_place(self._surfaces[1], pose.x, pose.y, SURROUNDINGS_M)
         return near if len(near) else None
 
     def look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2) -> Recovered | None:

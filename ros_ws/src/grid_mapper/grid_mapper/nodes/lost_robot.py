@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperNodeConfig
-from grid_mapper.dead_reckoning import has_jumped
+from grid_mapper.dead_reckoning import OdometryWatch
+from grid_mapper.fit_watch import FitWatch
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.match_verdict import ScanResult
 from grid_mapper.recovery import Recovery
 from grid_mapper.relocation_messages import Prior
 
@@ -32,13 +36,14 @@ class LostRobot:
         config: GridMapperNodeConfig,
     ) -> None:
         self._mapper, self._recovery, self.config = mapper, recovery, config
+        self._fits = FitWatch(mapper.config.relocation.max_contradiction)
         self.close = recovery.close
         self.begin()
 
     def begin(self) -> None:
         """Begin anew: in a map that was made before the robot is anywhere."""
         self._untrusted_since_ns: int | None = None
-        self._odom: tuple[int, SE2] | None = None
+        self._odometry = OdometryWatch()
         self._looked_for_since_ns: int | None = None
         self._recovery.stop()
         if self._has_start_map:
@@ -72,7 +77,7 @@ class LostRobot:
 
         Before there is a map it goes on where scans fit near the newest or the first pose.
         """
-        self._odom = None
+        self._odometry = OdometryWatch()
         self._mapper.break_motion()
         if self.config.use_odom and self._recovery.restart():
             self._mapper.lose()
@@ -82,15 +87,11 @@ class LostRobot:
 
         What was looked at before counts no longer then; a mapper that is not lost sees to itself.
         """
-        last = self._odom
-        self._odom = None if T_odom_base is None else (stamp_ns, T_odom_base)
         if not self._recovery.is_active:
             self._looked_for_since_ns = None
         elif self._looked_for_since_ns is None:
             self._looked_for_since_ns = stamp_ns
-        if last is None or T_odom_base is None:
-            return False
-        is_jump = has_jumped(*last, stamp_ns, T_odom_base, self._mapper.config.motion)
+        is_jump = self._odometry.take(stamp_ns, T_odom_base, self._mapper.config.motion)
         if is_jump and self._recovery.is_active:
             self._recovery.restart()
         return is_jump
@@ -106,12 +107,31 @@ class LostRobot:
         self._mapper.relocate(found.T_map_base, found.cov, found.seen)
         return found.T_map_base
 
-    def found_words(self, pose: SE2, stamp_ns: int) -> str:
-        """Return where the robot was found, and how long it was looked for."""
+    def looked_for_s(self, stamp_ns: int) -> float:
+        """Return for how long the robot is, or was until now, looked for, s."""
         since_ns = self._looked_for_since_ns
-        after_s = 0.0 if since_ns is None else max(0.0, (stamp_ns - since_ns) * 1e-9)
-        place = f"x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {np.rad2deg(pose.yaw):.0f} deg"
-        return f"found at {place} after {after_s:.1f} s"
+        return 0.0 if since_ns is None else max(0.0, (stamp_ns - since_ns) * 1e-9)
+
+    def checked(
+        self, stamp_ns: int, scan: Scan, T_base_laser: SE2, result: ScanResult
+    ) -> ScanResult:
+        """Return a result; not trusted, and the robot looked for, if a map that is kept says no."""
+        if not (self.config.keep_start_map and result.is_trusted):
+            self._fits.forget()
+            return result
+        if not self.config.use_odom or not self._fits.is_due(stamp_ns):
+            return result
+        near = self._recovery.surroundings(result.T_map_base)
+        if near is None:
+            return result
+        clipped = self._mapper.config.clipped(scan)
+        doubt = self._fits.doubt(stamp_ns, clipped, T_base_laser, result, near)
+        if not doubt:
+            return result
+        self._fits.forget()
+        self._recovery.start()
+        self._mapper.lose()
+        return replace(result, is_trusted=False, reason=doubt)
 
     def judge(self, stamp_ns: int, is_trusted: bool, is_lost: bool) -> None:
         """Begin to look once the robot has been lost for so long."""

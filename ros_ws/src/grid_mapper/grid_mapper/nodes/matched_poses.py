@@ -23,7 +23,7 @@ from grid_mapper.layers import LayeredMapper
 from grid_mapper.match_verdict import ScanResult
 from grid_mapper.nodes.initial_pose import InitialPose
 from grid_mapper.nodes.lost_robot import LostRobot
-from grid_mapper.nodes.match_report import MatchReport
+from grid_mapper.nodes.match_report import MatchReport, found_words
 from grid_mapper.nodes.pose_outputs import PoseOutputs
 from grid_mapper.nodes.scan_input import ScanInput
 from grid_mapper.nodes.sweep_report import SweepReport
@@ -116,14 +116,18 @@ class MatchedPoses:
             self.lose()
         found = self._lost.look(scan, T_base_laser, T_odom_base)
         if found is not None:
-            self._node.get_logger().info(self._lost.found_words(found, stamp_ns))
+            words = found_words(found, self._lost.looked_for_s(stamp_ns))
+            self._node.get_logger().info(words)
         result = self._mapper.insert_scan(stamp_ns, scan, T_base_laser, T_odom_base)
+        result = self._lost.checked(stamp_ns, scan, T_base_laser, result)
         self._report.note(result, 1e3 * (time.perf_counter() - started))
         self._take(result, stamp, T_odom_base)
 
     def _take(self, result: ScanResult, stamp: Any, T_odom_base: SE2 | None) -> None:
         """Publish the pose of a scan, unless the robot is lost."""
         stamp_ns, lost_after_s = messages.stamp_to_ns(stamp), self._config.lost_after_s
+        if self._lost.is_looked_for:
+            self.lose()
         self._tracking.update(stamp_ns, result.is_trusted, lost_after_s)
         is_lost = self._tracking.is_lost
         self._lost.judge(stamp_ns, result.is_trusted, is_lost)
