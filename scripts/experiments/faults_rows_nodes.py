@@ -25,6 +25,7 @@ BASE_S = 0.5
 _POSE_S = 0.6
 """Limit on the pose's age, and how far ahead `grid_mapper` stamps map to odom."""
 _MAPPER = "grid_mapper"
+_TRUTH = "ground_truth/odom"
 _TIMES, _FOUND_S = 3, 10.0
 _INTRUDER, _INTRUDER_PERIOD_S = "intruder", 0.05
 _DRIVER, _LOCALIZER = "other_driver", "other_localizer"
@@ -59,8 +60,9 @@ def simulator_fault() -> Fault:
 
     def mend(graph: FaultGraph) -> None:
         graph.start_node(SIMULATOR)
-        began_ns = graph.relay.now_ns
+        began_ns, told = graph.relay.now_ns, graph.watch.counts.get(_TRUTH, 0)
         graph.wait(lambda: graph.relay.now_ns > began_ns, "simulated time", 600.0)
+        graph.wait(lambda: graph.watch.counts.get(_TRUTH, 0) > told, "where it began anew", 600.0)
         _place(graph)
 
     def problem(graph: FaultGraph) -> str:
