@@ -19,8 +19,8 @@ from grid_mapper.glass_files import GLASS
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_session import LoopSession
 from grid_mapper.map_files import save_map
+from grid_mapper.match_verdict import found_words
 from grid_mapper.nodes.lost_robot import LostRobot
-from grid_mapper.nodes.match_report import found_words
 from grid_mapper.overlay import on_cells_of
 from grid_mapper.recovery import Recovery
 from grid_mapper.relocalizer import Relocalizer

@@ -96,3 +96,9 @@ def undetermined(match: MatchResult, config: GridMapperConfig) -> str:
     if sigma <= config.undetermined_sigma_m:
         return ""
     return f"the scan does not say where along {np.rad2deg(bearing):.0f} deg the robot is"
+
+
+def found_words(pose: SE2, after_s: float) -> str:
+    """Return where a robot was found, in the map, and how long it was looked for."""
+    place = f"x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {np.rad2deg(pose.yaw):.0f} deg"
+    return f"found at {place} after {after_s:.1f} s"

@@ -2,18 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from floornav_common.ros.diagnostics import ERROR, OK, STALE, WARN, Status
-from floornav_common.se2 import SE2
 from grid_mapper.match_verdict import ScanResult
 from grid_mapper.nodes.lost_robot import LostRobot
-
-
-def found_words(pose: SE2, after_s: float) -> str:
-    """Return where a robot was found, in the map, and how long it was looked for."""
-    place = f"x {pose.x:.2f} m, y {pose.y:.2f} m, yaw {np.rad2deg(pose.yaw):.0f} deg"
-    return f"found at {place} after {after_s:.1f} s"
 
 
 class MatchReport:

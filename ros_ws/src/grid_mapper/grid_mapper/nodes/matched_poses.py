@@ -20,10 +20,10 @@ from floornav_common.transform3 import Transform3
 from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
-from grid_mapper.match_verdict import ScanResult
+from grid_mapper.match_verdict import ScanResult, found_words
 from grid_mapper.nodes.initial_pose import InitialPose
 from grid_mapper.nodes.lost_robot import LostRobot
-from grid_mapper.nodes.match_report import MatchReport, found_words
+from grid_mapper.nodes.match_report import MatchReport
 from grid_mapper.nodes.pose_outputs import PoseOutputs
 from grid_mapper.nodes.scan_input import ScanInput
 from grid_mapper.nodes.sweep_report import SweepReport
