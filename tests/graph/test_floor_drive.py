@@ -23,8 +23,11 @@ LISTENING = Path(__file__).with_name("listening.py")
 DRIVE_S = 240.0
 GOAL = (1.35, 0.5)  # in odom, which begins at (-0.35, -0.1): the first cube is on the line
 CUBES = ((0.55, 0.30), (0.70, -0.40))
-# A slow clock, for a machine that is busy: a planner that gets no images in time stops.
-SIM = ("world:=small_size_field", "real_time_factor:=0.5")
+# For a machine that is busy: a slow clock, and time does not run on without image or command.
+SIM = (
+    "world:=small_size_field", "real_time_factor:=0.5",
+    "pace_topics:=[cmd_vel, floor/free_space]", "pace_lag_s:=0.1",
+)  # fmt: skip
 
 
 def words_of(*parameters: str) -> list[str]:
