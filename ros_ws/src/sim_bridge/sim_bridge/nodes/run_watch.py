@@ -23,7 +23,7 @@ class RunWatch:
         """Start watching."""
         self._node, self._real_time = node, RealTime()
         self._looks, self._slow = Throttle(_LOOK_PERIOD_NS), Throttle(_SAY_PERIOD_NS)
-        self._other = ""
+        self._other, self._was_nameless = "", False
         node.diagnostics.set("real time", Status(OK, "not measured yet"))
         node.diagnostics.set("clock topic", Status(OK, "only published here"))
 
@@ -60,8 +60,13 @@ class RunWatch:
         infos = self._node.get_publishers_info_by_topic("/clock")
         names = Counter(f"{i.node_namespace.rstrip('/')}/{i.node_name}" for i in infos)
         names[self._node.get_fully_qualified_name()] -= 1
-        others = ", ".join(sorted(name for name, num in names.items() if num > 0))
-        text = f"/clock is also published by {others}: end one of them" if others else ""
+        there = [name for name, num in names.items() if num > 0]
+        others = sorted(name for name in there if "_UNKNOWN_" not in name)
+        if there and not others and self._was_nameless:
+            others = ["a node that has not given its name"]
+        # The graph hears a node's name a moment after its publisher: that is waited for, one look.
+        self._was_nameless = bool(there)
+        text = f"/clock is also published by {', '.join(others)}: end one of them" if others else ""
         if text and text != self._other:
             self._node.get_logger().error(text)
         self._other = text
