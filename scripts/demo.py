@@ -171,9 +171,9 @@ def _parser() -> argparse.ArgumentParser:
     window = parser.add_mutually_exclusive_group()
     window.add_argument("--headless", action="store_true", help="no window (default: no display)")
     window.add_argument("--view", action="store_true", help="show pybullet's window")
-    text = "a figure that the world file names, such as start_distance_m=4.7; may be repeated"
     text = "show the robot in a browser while it drives (with goals or a route)"
     parser.add_argument("--live", action="store_true", help=text)
+    text = "a figure that the world file names, such as start_distance_m=4.7; may be repeated"
     parser.add_argument("--set", action="append", metavar="NAME=VALUE", default=[], help=text)
     text = (
         "stop after so many simulated seconds (default: at the last goal, the route's end, or 20)"
