@@ -34,6 +34,7 @@ MAPPED = ("before", "after", "after_false_loops", "true_poses")
 PICTURED = ("before", "after", "true_poses")
 FIGURES = ("ate_m", "rpe_m", "map_iou", "glass_recall")
 FALSE_M, FALSE_RAD = 0.3, 0.09
+SPUN_M_S = 0.1
 """A loop that is further off than this is false."""
 
 
@@ -195,4 +196,18 @@ def _drive_figures(log: GlassLog) -> dict[str, Any]:
         "scans": len(log.scan_ns),
         "is_route_complete": bool(log.is_complete),
         "touches": int(log.num_touches),
+        "spun_s": spun_s(log.scan_ns, log.scan_odom, log.scan_true),
     }
+
+
+def spun_s(stamps_ns: np.ndarray, odometry: np.ndarray, truth: np.ndarray) -> float:
+    """Return for how many seconds wheels spun: odometry ran ahead of the truth by over SPUN_M_S.
+
+    Args:
+        stamps_ns: Stamps, (n,).
+        odometry: Poses by odometry, (n, 3), m and rad.
+        truth: True poses, (n, 3).
+    """
+    steps_s = np.diff(stamps_ns) * 1e-9
+    told, true = (np.hypot(*np.diff(poses[:, :2], axis=0).T) for poses in (odometry, truth))
+    return float(steps_s[(told - true) > SPUN_M_S * steps_s].sum())

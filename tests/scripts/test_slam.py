@@ -9,7 +9,7 @@ from experiments.slam import fill, spreads
 from experiments.slam_drives import LAPS, ROBOT, floor_names, peopled
 from experiments.slam_false_loops import APART_NODES, BACK_M, BACK_NODES, FAR_M, FalseLoops
 from experiments.slam_measures import tolerant_iou
-from experiments.slam_runs import FIGURES, METHODS, num_false
+from experiments.slam_runs import FIGURES, METHODS, num_false, spun_s
 from floornav_common.se2 import SE2
 from grid_mapper.key_frames import Edge
 from sim_bridge.world import load_world
@@ -38,6 +38,14 @@ def test_half_of_a_wall_found_is_a_half():
     half[10:] = False
     # One more row of the wall lies within a cell of the half: I = (10 + 11) / 2.
     assert tolerant_iou(half, line(4)) == pytest.approx(10.5 / (10 + 20 - 10.5))
+
+
+def test_wheels_spin_where_odometry_runs_ahead_of_the_truth_and_not_where_a_wheel_is_a_little_off():
+    stamps_ns = np.arange(5) * 500_000_000
+    truth = np.array([(x, 0.0, 0.0) for x in (0.0, 0.5, 1.0, 1.0, 1.0)])
+    odometry = np.array([(x, 0.0, 0.0) for x in (0.0, 0.51, 1.02, 1.32, 1.62)])
+    assert spun_s(stamps_ns, odometry, truth) == pytest.approx(1.0)
+    assert spun_s(stamps_ns, truth, truth) == 0.0
 
 
 def test_floors_are_rings_and_another_seed_has_others():
