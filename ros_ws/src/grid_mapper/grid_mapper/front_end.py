@@ -10,6 +10,7 @@ import numpy as np
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig, KeyScanConfig
+from grid_mapper.drift import Drift
 from grid_mapper.key_frames import KeyFrame, thinned
 from grid_mapper.key_scans import KeyScans
 from grid_mapper.localizer import ScanLocalizer
@@ -26,12 +27,12 @@ class FrontEnd:
     def __init__(self, config: GridMapperConfig) -> None:
         self._matcher = RecentScanMatcher(config.matcher, config.loop.recent_scans)
         self._localizer = ScanLocalizer(config, matcher=self._matcher)
-        self._keys = KeyScans()
+        self._keys, self._drift = KeyScans(), Drift()
         self.reconfigure(config)
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Go on with other values; those marked read-only stay as they were."""
-        loop = config.loop
+        self._config, loop = config, config.loop
         self._localizer.reconfigure(config)
         self._key = KeyScanConfig(
             distance_m=loop.node_distance_m, turn_rad=loop.node_turn_rad, period_s=0.0
@@ -51,10 +52,13 @@ class FrontEnd:
     def follow(
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
     ) -> tuple[ScanResult, bool]:
-        """Localize one scan, see `ScanLocalizer.localize`; tell too whether it is a node."""
+        """Localize one scan, see `ScanLocalizer.localize`; tell too whether it is a node.
+
+        Its covariance holds the drift since the beginning, or since the robot was last found.
+        """
         result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
         is_node = result.is_trusted and self._keys.take(stamp_ns, result.T_map_base, self._key)
-        return result, is_node
+        return self._drift.of(result, is_node, self._config), is_node
 
     def see(self, places: Iterable[tuple[SurfacePoints, SE2]]) -> None:
         """Take what is known of the surroundings: points and their poses in this frame."""
@@ -63,6 +67,7 @@ class FrontEnd:
 
     def relocate(self, T_local_base: SE2, cov: np.ndarray | None) -> None:
         """Go on from another pose; see `ScanLocalizer.relocate`."""
+        self._drift.restart()
         self._localizer.relocate(T_local_base, cov)
 
     def lose(self) -> None:
@@ -71,6 +76,7 @@ class FrontEnd:
 
     def break_motion(self, T_local_first: SE2) -> None:
         """Go on after time or odometry jumped; see `ScanLocalizer.break_motion`."""
+        self._drift.restart()
         self._localizer.break_motion(T_local_first)
 
     @property

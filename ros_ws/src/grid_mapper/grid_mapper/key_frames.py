@@ -83,11 +83,28 @@ def chain_edge(
         motion: Says how far odometry can be trusted.
         drift: Deviation (m, rad) added to what the match says.
     """
-    moved = before.T_local_base.between(frame.T_local_base)
-    cov = rotated(odometry_motion(moved, motion), before.T_local_base.yaw)
-    cov = np.linalg.inv(np.linalg.inv(cov) + frame.information)
-    cov = rotated(cov, -frame.T_local_base.yaw) + np.diag([drift[0], drift[0], drift[1]]) ** 2
-    return Edge(number - 1, number, moved, cov, is_loop=False)
+    ends = before.T_local_base, frame.T_local_base
+    cov = chain_cov(*ends, frame.information, motion, drift)
+    return Edge(number - 1, number, ends[0].between(ends[1]), cov, is_loop=False)
+
+
+def chain_cov(
+    T_local_first: SE2, T_local_second: SE2, information: np.ndarray, motion: MotionConfig,
+    drift: tuple[float, float],
+) -> np.ndarray:  # fmt: skip
+    """Return the covariance of a motion in the axes of its end, shape (3, 3).
+
+    Args:
+        T_local_first: Where it begins.
+        T_local_second: Where it ends.
+        information: Of the match at its end, (x, y, yaw) in local axes, shape (3, 3).
+        motion: Says how far odometry can be trusted.
+        drift: Deviation (m, rad) added to what the match says.
+    """
+    cov = odometry_motion(T_local_first.between(T_local_second), motion)
+    cov = rotated(cov, T_local_first.yaw)
+    cov = np.linalg.inv(np.linalg.inv(cov) + information)
+    return rotated(cov, -T_local_second.yaw) + np.diag([drift[0], drift[0], drift[1]]) ** 2
 
 
 def edge_after_jump(
