@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from sjmc_scenes import PERIOD, scan_of
 
+from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from sjmc_planner.planning import STILL, Obstacles, RobotState
 from sjmc_planner.sjmc_scene import Scene, SceneReader
@@ -77,3 +78,32 @@ def test_a_mirrored_scan_has_the_mirrored_things() -> None:
     right = seen(reader(), [(x, -y, r) for x, y, r in disks]).things * [1.0, -1.0]
     order = np.lexsort(np.round(left, 4).T), np.lexsort(np.round(right, 4).T)
     assert left[order[0]] == pytest.approx(right[order[1]], abs=1e-9)
+
+
+def camera_scan(wall: float) -> Scan:
+    """A full turn that measures from 0.17 m on, beside a wall `wall` m to the left."""
+    angles = np.radians(np.arange(-180.0, 180.0, 2.0))
+    across = np.sin(angles)
+    ranges = np.where(across > 0.2, wall / np.maximum(across, 0.2), np.inf)
+    ranges[ranges < 0.17] = -np.inf
+    return Scan(
+        ranges=ranges, angle_min=float(angles[0]), angle_increment=np.radians(2.0),
+        range_min=0.17, range_max=2.5,
+    )  # fmt: skip
+
+
+def test_what_comes_nearer_than_the_sensor_measures_does_not_recede() -> None:
+    """Sidling up to a wall, 0.26 to 0.11 m: its beams end in -inf, the scene knows how near."""
+    scenes, step = reader(), 0.005
+    for k in range(31):
+        scan = Obstacles(camera_scan(0.26 - step * k), HERE)
+        moved = SE2(0.0, step if k else 0.0, 0.0)
+        scene = scenes.read(RobotState(STILL, STILL, moved), scan)
+    for nearest in (scene.things, scene.solids):
+        assert np.hypot(*nearest.T).min() == pytest.approx(0.11, abs=0.01)
+    for _ in range(round(10.0 / PERIOD)):  # it stands: what stands beside it does not go away
+        scene = scenes.read(RobotState(STILL, STILL, HERE), scan)
+    assert np.hypot(*scene.solids.T).min() == pytest.approx(0.11, abs=0.01)
+    gone = Obstacles(camera_scan(0.4), HERE)  # a beam that sees farther forgets
+    scene = scenes.read(RobotState(STILL, STILL, HERE), gone)
+    assert np.hypot(*scene.solids.T).min() == pytest.approx(0.4, abs=0.01)

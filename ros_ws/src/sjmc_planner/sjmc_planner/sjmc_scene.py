@@ -2,7 +2,9 @@
 
 A track that moves, or is no wider than a person, is a person: a disk with a velocity. All other
 beams end at things. Things are thinned to the nearest in each of some directions of the sensor, and
-those that go out of its view are kept for a while, moved along with the robot.
+those that go out of its view are kept for a while, moved along with the robot. So is what comes
+nearer than the sensor measures: such a beam says only that something is near, and taken to end at
+`range_min` it would recede before a robot that goes on towards it.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from sjmc_planner.tracking_config import TrackingConfig
 _BINS = 181  # directions of the sensor, as many to the left as to the right
 _KEEP_M = 1.2  # around the base: farther off what went out of view is forgotten
 _KEEP_S = 3.0
+_KEEP_TRAVEL = 0.5  # so far odometry is trusted with what is too near to measure, m
 _MOVES = 0.5  # probability
 _STANDS = 0.15  # m/s
 _NARROWS = 0.05  # m/s: how fast what was wide counts as narrower once it looks it
@@ -96,7 +99,8 @@ class SceneReader:
         disks = np.column_stack((tracks.position, tracks.radius + _EDGE))
         args = ends.ranges, self._reader.units, tracks.beam_track, is_person, moves, disks
         things, solids = _things(*args, ends.pose, _BINS)
-        rear = self._remember(state.moved, solids, ends, disks, moves)
+        near = float(obstacles.scan.range_min)
+        rear = self._remember(state.moved, solids, ends, near, disks, moves)
         return Scene(
             ends, np.concatenate((things, rear, known)), np.concatenate((solids, rear, known)),
             rows[is_person], tracks.number[is_person], moves[is_person],
@@ -124,13 +128,13 @@ class SceneReader:
         return np.asarray((tracks.is_moving > _MOVES) | (widths <= self._person_width))
 
     def _remember(
-        self, moved: SE2, solids: np.ndarray, ends: BeamEnds, disks: np.ndarray, moves: np.ndarray
-    ) -> np.ndarray:
-        """Return what has gone out of view beside and behind the robot, shape (K, 2), m."""
+        self, moved: SE2, solids: np.ndarray, ends: BeamEnds, near: float, disks: np.ndarray,
+        moves: np.ndarray,
+    ) -> np.ndarray:  # fmt: skip
+        """Return what has gone out of view, or came nearer than `near`, shape (K, 2), m."""
         beams = ends.ranges, ends.angle_min, ends.angle_increment, ends.pose
-        self._kept = _gone(
-            self._last, self._kept, moved.x, moved.y, moved.yaw, self._period, *beams, disks, moves
-        )
+        motion = moved.x, moved.y, moved.yaw, self._period
+        self._kept = _gone(self._last, self._kept, *motion, *beams, near, disks, moves)
         self._last = solids
         return self._kept[:, :2]
 
@@ -204,25 +208,42 @@ def _is_on_disk(x, y, disks, counts):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, nogil=True)
-def _gone(last, kept, x, y, yaw, period, ranges, angle_min, step, pose, disks, moves):  # type: ignore[no-untyped-def]
-    """Return what of the last things and those kept is near and out of view: rows x, y, age."""
+def _gone(last, kept, x, y, yaw, period, ranges, angle_min, step, pose, near, disks, moves):  # type: ignore[no-untyped-def]
+    """Return what of the last things and those kept is near and out of view: rows x, y, age.
+
+    Of what is too near to measure, the nearest in each beam; it ages with the way, not with time.
+    """
     found = np.empty((len(last) + len(kept), 3))
+    row_of = np.full(len(ranges), -1)
+    travel_age = math.hypot(x, y) * _KEEP_S / _KEEP_TRAVEL
     c, s = math.cos(yaw), math.sin(yaw)
     count = 0
     for i in range(len(found)):
         is_new = i < len(last)
         j = i - len(last)
         px, py = (last[i, 0], last[i, 1]) if is_new else (kept[j, 0], kept[j, 1])
-        age = 0.0 if is_new else kept[j, 2] + period
         dx, dy = px - x, py - y
         qx, qy = c * dx + s * dy, c * dy - s * dx
+        sx, sy = qx - pose[0], qy - pose[1]
+        beam = (math.atan2(sy, sx) - pose[4] - angle_min) * (1.0 if step > 0.0 else -1.0)
+        k = int(np.rint(beam % (2.0 * math.pi) / abs(step)))
+        if k == len(ranges) and abs(step) * (k + 0.5) > 2.0 * math.pi:
+            k = 0  # the beams go once around
+        is_out = k >= len(ranges) or np.isnan(ranges[k])
+        is_near = not is_out and ranges[k] <= near and sx * sx + sy * sy < near * near
+        age = 0.0 if is_new else kept[j, 2] + (travel_age if is_near else period)
         if qx * qx + qy * qy > _KEEP_M * _KEEP_M or age > _KEEP_S:
             continue
-        angle = math.atan2(qy - pose[1], qx - pose[0]) - pose[4]
-        beam = ((angle - angle_min) * (1.0 if step > 0.0 else -1.0)) % (2.0 * math.pi)
-        k = int(np.rint(beam / abs(step)))
-        is_out = k >= len(ranges) or np.isnan(ranges[k])
-        if is_out and not _is_on_disk(qx, qy, disks, moves):
-            found[count, 0], found[count, 1], found[count, 2] = qx, qy, age
-            count += 1
+        if not (is_out or is_near) or _is_on_disk(qx, qy, disks, moves):
+            continue
+        row = count
+        if is_near and row_of[k] >= 0:
+            row = row_of[k]
+            before = (found[row, 0] - pose[0]) ** 2 + (found[row, 1] - pose[1]) ** 2
+            if before <= sx * sx + sy * sy:
+                continue
+        elif is_near:
+            row_of[k] = row
+        found[row, 0], found[row, 1], found[row, 2] = qx, qy, age
+        count = max(count, row + 1)
     return found[:count].copy()
