@@ -24,6 +24,7 @@ from grid_mapper.key_scans import KeyScans
 from grid_mapper.layers import LayeredMapper, SonarCounts
 from grid_mapper.layers_moment import Layers, LayersMoment
 from grid_mapper.loop_link import LoopLink
+from grid_mapper.loop_localizer import LoopClosingLocalizer
 from grid_mapper.loop_session import GraphState, Rebuilt
 from grid_mapper.match_verdict import ScanResult
 from grid_mapper.motion import rotated
@@ -67,7 +68,7 @@ class ClosingMapper:
         self, stamp_ns: int, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None
     ) -> ScanResult:
         """Localize and map one scan; see `LayeredMapper.insert_scan`."""
-        self._take_news()
+        self.take_news()
         clipped = self.config.clipped(scan)
         scan = self._front.deskewed(stamp_ns, clipped, T_base_laser, T_odom_base)
         result, is_node = self._front.follow(stamp_ns, scan, T_base_laser, T_odom_base)
@@ -100,6 +101,15 @@ class ClosingMapper:
         self._has_jumped = True
         self._readings.break_here()
 
+    def take_up(self, before: LoopClosingLocalizer) -> None:
+        """Go on with a session; the robot is looked for near its last and its first pose."""
+        frames, numbers = before.closer.frames, before.first_seen()
+        self._front, self.node = before.front, len(frames) - 1
+        self._first_seen[:] = [(k, frames[k].points, frames[k].T_local_base) for k in numbers]
+        self.corrections = before.corrections()
+        self._T_map_local = self.corrections.T_map_local
+        self.break_motion()
+
     def lose(self) -> None:
         """Follow odometry alone until `relocate`; see `ScanLocalizer.lose`."""
         self._front.lose()
@@ -108,8 +118,8 @@ class ClosingMapper:
         """Forget the motion so far: time or odometry jumped. Maps and pose stay."""
         T_local_map = self._T_map_local.inverse()
         if self._first_seen:
-            poses = [self.corrections.at(k, pose) for k, (_, pose) in enumerate(self._first_seen)]
-            seen = zip((points for points, _ in self._first_seen), poses, strict=True)
+            poses = [self.corrections.at(k, pose) for k, _, pose in self._first_seen]
+            seen = zip((points for _, points, _ in self._first_seen), poses, strict=True)
             self._front.see((points, T_local_map @ pose) for points, pose in seen)
             self._front.break_motion(T_local_map @ poses[0])
             self._has_jumped = True
@@ -177,7 +187,7 @@ class ClosingMapper:
         self.node += is_node
         if is_node and len(self._first_seen) <= self.config.loop.submap_nodes:
             points = points_of(scan, T_base_laser, self.config.matcher)
-            self._first_seen.append((points, pose))
+            self._first_seen.append((self.node, points, pose))
         is_apart = self._apart.take(stamp_ns, pose, APART)
         self._readings.add_pose(stamp_ns, pose)
         self._maps.place_scan(stamp_ns, scan, T_base_laser, self._T_map_local @ pose)
@@ -199,7 +209,7 @@ class ClosingMapper:
         self._front, self._maps = FrontEnd(config), LayeredMapper(config)
         self._readings, self._to_keep = PlacedReadings(), ReadingsToKeep(config.bayes)
         self._apart, self._counts_before = KeyScans(), SonarCounts()
-        self._first_seen: list[tuple[SurfacePoints, SE2]] = []
+        self._first_seen: list[tuple[int, SurfacePoints, SE2]] = []
 
     def _place_readings(self) -> None:
         """Map the readings that the newest scan has caught up with."""
@@ -210,7 +220,8 @@ class ClosingMapper:
                 seen = (w.stamp_ns, w.reading, w.T_base_sonar, pose, self.node, w.sensor)
                 self.link.send(KeptReading, *seen)
 
-    def _take_news(self) -> None:
+    def take_news(self) -> None:
+        """Take what the background has to say; every scan does so."""
         started = time.perf_counter()
         if (rebuilt := self.link.take()) is not None:
             self._swap(rebuilt)

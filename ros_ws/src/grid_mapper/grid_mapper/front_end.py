@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +32,7 @@ class FrontEnd:
 
     def reconfigure(self, config: GridMapperConfig) -> None:
         """Go on with other values; those marked read-only stay as they were."""
-        self._config, loop = config, config.loop
+        self.config, loop = config, config.loop
         self._localizer.reconfigure(config)
         self._key = KeyScanConfig(
             distance_m=loop.node_distance_m, turn_rad=loop.node_turn_rad, period_s=0.0
@@ -58,12 +58,19 @@ class FrontEnd:
         """
         result = self._localizer.localize(stamp_ns, scan, T_base_laser, T_odom_base)
         is_node = result.is_trusted and self._keys.take(stamp_ns, result.T_map_base, self._key)
-        return self._drift.of(result, is_node, self._config), is_node
+        return self._drift.of(result, is_node, self.config), is_node
 
     def see(self, places: Iterable[tuple[SurfacePoints, SE2]]) -> None:
         """Take what is known of the surroundings: points and their poses in this frame."""
         for points, pose in places:
             self._matcher.insert(points, pose)
+
+    def begin_after(self, frames: Sequence[KeyFrame], num_recent: int) -> None:
+        """Begin behind key frames, of which the last are what was seen lately."""
+        self.see((frame.points, frame.T_local_base) for frame in frames[-num_recent:])
+        self.relocate(frames[0].T_local_base, None)
+        self._localizer.begin_in_map(frames[-1].stamp_ns)
+        self.relocate(frames[-1].T_local_base, None)
 
     def relocate(self, T_local_base: SE2, cov: np.ndarray | None) -> None:
         """Go on from another pose; see `ScanLocalizer.relocate`."""

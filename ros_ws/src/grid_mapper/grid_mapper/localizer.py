@@ -93,7 +93,7 @@ class ScanLocalizer:
         if is_reset(self._last, stamp_ns, T_odom_base, motion):
             self._guess_anew(0.0)
         if self._last is None and not self._matcher.is_empty:
-            self._begin_in_map(stamp_ns)
+            self.begin_in_map(stamp_ns)
         moved, cov_moved, dt = motion_since(self._last, stamp_ns, T_odom_base, motion)
         if self._is_lost:
             result, near = self._follow(moved, cov_moved), np.diag(VAGUE_SIGMAS**2)
@@ -163,7 +163,7 @@ class ScanLocalizer:
         if not was_lost:
             self._guesses = [Guess(T_last, way_m), Guess(T_map_first or self._first_pose)]
 
-    def _begin_in_map(self, stamp_ns: int) -> None:
+    def begin_in_map(self, stamp_ns: int) -> None:
         """Begin where the robot was said to be in a map that is there."""
         cov = np.diag(VAGUE_SIGMAS**2) if self._start_cov is None else self._start_cov
         start = self._first_pose = self._T_map_start

@@ -13,7 +13,15 @@ from typing import Any
 from grid_mapper.background import Worker
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.kept_events import Kept
-from grid_mapper.loop_session import GraphState, Rebuilt, Restart, Retune, map_events
+from grid_mapper.loop_session import (
+    GraphState,
+    Rebuilt,
+    Restart,
+    Retune,
+    Save,
+    Saved,
+    map_events,
+)
 
 REPLAY_S = 0.01
 """Time taken at once to bring maps made anew up to now."""
@@ -31,13 +39,16 @@ class LoopLink:
 
     Attributes:
         graph: How the graph was when last heard of.
+        saved: What became of sessions to save, oldest first; take them out.
     """
 
     def __init__(self, worker: Worker) -> None:
         self._worker = worker
+        self.saved: deque[Saved] = deque()
         self._coming: tuple[Rebuilt, deque[Kept]] | None = None
         self._num_events = 0
         self._begin()
+        self._first_number = -1  # maps of a session that the background begins with are news too
 
     def restart(self, config: GridMapperConfig) -> None:
         """Let the background forget all and go on by a configuration."""
@@ -61,6 +72,10 @@ class LoopLink:
         self._pending.append(event)
         if self._coming is not None:
             self._coming[1].append(event)
+
+    def save(self, path: str) -> None:
+        """Let the session be saved by the background; `saved` tells once it is."""
+        self._worker.send(Save(path))
 
     def take(self) -> Rebuilt | None:
         """Take what the background has to say; return new maps once all that was sent is in."""
@@ -100,6 +115,9 @@ class LoopLink:
 
     def _take_answers(self) -> None:
         while (answer := self._worker.receive()) is not None:
+            if isinstance(answer, Saved):
+                self.saved.append(answer)
+                continue
             if answer.number < self._first_number:
                 continue  # of what was forgotten since
             while self._pending and self._pending[0].number <= answer.number:

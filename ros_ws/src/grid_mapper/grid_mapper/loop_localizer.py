@@ -6,6 +6,7 @@ graph, and a scan's pose in the map is that of the nodes round it, moved on by t
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,36 @@ class LoopClosingLocalizer:
         self.closer = LoopCloser(config)
         self._has_jumped = False
 
+    @classmethod
+    def behind(
+        cls, closer: LoopCloser, scans: Iterable[tuple[SE2, int, Sweep | None]]
+    ) -> LoopClosingLocalizer:
+        """Return one that goes on, with a jump, where a graph ends.
+
+        Args:
+            closer: The graph, of one node at least.
+            scans: Pose by the front end, newest node then, and sweep of each scan so far.
+        """
+        made = cls(closer.config)
+        made.closer = closer
+        made._followed = [_Followed(T, node, True, "", sweep) for T, node, sweep in scans]
+        made.front.begin_after(closer.frames, closer.config.loop.recent_scans)
+        return made
+
+    @property
+    def front(self) -> FrontEnd:
+        """What follows the scans."""
+        return self._front
+
+    @property
+    def followed(self) -> list[tuple[SE2, int, Sweep | None] | None]:
+        """Of each scan what `behind` takes; None where its match was not trusted."""
+        return [(f.T_local_base, f.node, f.sweep) if f.is_trusted else None for f in self._followed]
+
+    def corrections(self) -> Corrections:
+        """Return what the graph says of poses now."""
+        return Corrections.of([f.T_local_base for f in self.closer.frames], self.closer.poses)
+
     @property
     def sweeps(self) -> SweepOrder:
         """In which order the beams of a scan are taken."""
@@ -109,11 +140,11 @@ class LoopClosingLocalizer:
             return
         self._has_jumped = True
         T_local_map = frames[-1].T_local_base @ poses[-1].inverse()
-        numbers = self._first_seen()
+        numbers = self.first_seen()
         self._front.see((frames[k].points, T_local_map @ poses[k]) for k in numbers)
         self._front.break_motion(T_local_map @ poses[0])
 
-    def _first_seen(self) -> list[int]:
+    def first_seen(self) -> list[int]:
         """Return the first nodes; where their scans were thrown out those nearest to the first."""
         frames, poses = self.closer.frames, self.closer.poses
         num = min(len(frames), self.config.loop.submap_nodes + 1)
@@ -132,9 +163,8 @@ class LoopClosingLocalizer:
 
     def known_poses(self) -> list[KnownPose]:
         """Return the pose of every scan so far, as the graph has it now."""
-        frames, scans = self.closer.frames, self._followed
-        corrections = Corrections.of([f.T_local_base for f in frames], self.closer.poses)
-        poses = corrections.all_at(
+        scans = self._followed
+        poses = self.corrections().all_at(
             np.array([scan.node for scan in scans], int),
             np.array([scan.T_local_base.as_array() for scan in scans]).reshape(-1, 3),
         )

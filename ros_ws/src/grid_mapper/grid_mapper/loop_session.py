@@ -7,6 +7,7 @@ can take in what comes meanwhile. Maps made anew hold everything up to the newes
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from grid_mapper.front_end import key_frame
 from grid_mapper.kept_archive import KeptArchive
 from grid_mapper.kept_events import Kept, KeptScan
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.live_sessions import kept_of, save_live
 from grid_mapper.loop_closer import LoopCloser
 from grid_mapper.pose_graph import load_solver
+from grid_mapper.session_files import Session, load_session
 
 EVENTS_A_STEP = 50
 EVENTS_AN_ANSWER = 100
@@ -40,6 +43,21 @@ class Retune:
     """Says to make maps by another configuration from now on; the graph keeps its own."""
 
     config: GridMapperConfig
+
+
+@dataclass(frozen=True)
+class Save:
+    """Says to save the session in a file."""
+
+    path: str
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What became of a session to save; `problem` is why it is not, "" if it is."""
+
+    path: str
+    problem: str = ""
 
 
 @dataclass(frozen=True)
@@ -74,15 +92,25 @@ class Rebuilt:
     corrections: Corrections
 
 
-Answer = GraphState | Rebuilt
+Answer = GraphState | Rebuilt | Saved
 
 
 class LoopSession:
-    """Takes events, answers with how the graph is and with maps."""
+    """Takes events, answers with how the graph is and with maps.
 
-    def __init__(self, config: GridMapperConfig) -> None:
+    Args:
+        config: Its values.
+        start: File of a session to go on with; "" to begin anew.
+
+    Raises:
+        SessionError: That session cannot be taken up.
+    """
+
+    def __init__(self, config: GridMapperConfig, start: str = "") -> None:
         load_solver()
         self._restart(config)
+        if start:
+            self._take_up(load_session(Path(start), config))
 
     def _restart(self, config: GridMapperConfig) -> None:
         self._config = config
@@ -93,7 +121,17 @@ class LoopSession:
         self._number = self._rebuilt_number = -1
         self._has_moved = False
 
-    def take(self, event: Kept | Restart | Retune) -> Answer | None:
+    def _take_up(self, session: Session) -> None:
+        """Go on with a session; its maps are made first of all."""
+        localizer = session.localizer()
+        self._closer = localizer.closer
+        for event in kept_of(session.events(), localizer.followed):
+            self._archive.add(event)
+        if self._archive.is_full:
+            self._archive.thin(self._corrections())
+        self._rebuild = _Rebuild(self._config, self._corrections())
+
+    def take(self, event: Kept | Restart | Retune | Save) -> Answer | None:
         """Take an event; a node's, and every so many, are answered with how the graph is."""
         if isinstance(event, Restart):
             self._restart(event.config)
@@ -101,6 +139,8 @@ class LoopSession:
         if isinstance(event, Retune):
             self._config = event.config
             return None
+        if isinstance(event, Save):
+            return self._save(event.path)
         self._archive.add(event)
         self._number = event.number
         if not (isinstance(event, KeptScan) and event.is_node):
@@ -109,6 +149,13 @@ class LoopSession:
         frame = key_frame(*seen, event.information, self._config)
         self._has_moved |= self._closer.add(frame, follows_jump=event.follows_jump)
         return self._state()
+
+    def _save(self, path: str) -> Saved:
+        try:
+            save_live(Path(path), self._closer, self._archive)
+        except (OSError, ValueError) as error:
+            return Saved(path, " ".join(str(error).split()))
+        return Saved(path)
 
     @property
     def has_work(self) -> bool:

@@ -55,6 +55,18 @@ class GridMapperNodeConfig:
     keep_start_map: bool = param(
         False, "Only localize in start_map: nothing is written into it.", read_only=True
     )
+    session_file: str = param(
+        "",
+        "Where ~/save_map and the end of the node save the session too, whose graph start_session "
+        "goes on with; one that is there is replaced. Empty saves none.",
+        read_only=True,
+    )
+    start_session: str = param(
+        "",
+        "Session to go on with, of session_file or map_bag --save-session; the robot is looked for "
+        "near its last and its first pose. Empty to begin anew.",
+        read_only=True,
+    )
     map_mode: str = param(
         "trinary", "What ~/save_map keeps of a cell.", choices=("trinary", "scale", "raw")
     )
@@ -73,5 +85,8 @@ class GridMapperNodeConfig:
             raise ValueError("keep_start_map needs a start_map")
         if self.start_map and self.pose_source != "icp":
             raise ValueError("start_map needs pose_source icp: else poses come from TF")
+        for name in ("session_file", "start_session"):
+            if getattr(self, name) and (self.pose_source != "icp" or self.start_map):
+                raise ValueError(f"{name} needs pose_source icp and no start_map")
         if len(set(self.sonar_topics)) != len(self.sonar_topics):
             raise ValueError(f"sonar_topics must differ, got {list(self.sonar_topics)}")

@@ -29,6 +29,7 @@ from grid_mapper.nodes.given_poses import GivenPoses
 from grid_mapper.nodes.map_outputs import MapOutputs
 from grid_mapper.nodes.mapper_choice import make_mapper, make_recovery, read_start_map
 from grid_mapper.nodes.matched_poses import MatchedPoses
+from grid_mapper.nodes.node_sessions import SessionSaver, read_start_session, wait_for_maps
 from grid_mapper.nodes.sonar_inputs import SonarInputs
 from grid_mapper.warm_up import compile_kernels
 
@@ -47,14 +48,15 @@ class GridMapperNode(FloornavNode):
         has_own_poses = config.pose_source == "icp"
         mapper_config = declare_config(self, GridMapperConfig, on_change=self._tune)
         start = read_start_map(config)
-        self._mapper = make_mapper(self, mapper_config, has_own_poses, start, config.keep_start_map)
+        before = read_start_session(config, mapper_config)
+        kept = config.keep_start_map
+        self._mapper = make_mapper(self, mapper_config, has_own_poses, start, kept, before)
+        self._session = SessionSaver(self, self._mapper, config.session_file)
         self._maps = MapOutputs(self, has_own_poses, config.reference_map, self._warn)
-        self._maps.has_news = start is not None
+        self._maps.has_news = start is not None or before is not None
         self._poses: MatchedPoses | GivenPoses
         if has_own_poses:
-            recovery = make_recovery(
-                mapper_config, start, config.keep_start_map, lambda: self._maps.laser_map
-            )
+            recovery = make_recovery(mapper_config, start, kept, lambda: self._maps.laser_map)
             self._poses = MatchedPoses(self, self._mapper, config, recovery, self._warn)
         else:
             self._poses = GivenPoses(self, self._mapper, config, self._warn)
@@ -67,6 +69,8 @@ class GridMapperNode(FloornavNode):
         self.create_service(Trigger, "~/reset", self._on_reset)
         self.create_timer(config.map_period_s, self._publish_map)
         self.diagnostics.add("mapping", self._poses.status)
+        if before is not None:
+            wait_for_maps(self, self._mapper)
         self.ready(lambda: self._prepare(mapper_config.fusion, has_loops=has_own_poses))
 
     @staticmethod
@@ -85,6 +89,7 @@ class GridMapperNode(FloornavNode):
         self._maps.close()
         self._poses.close()
         if isinstance(self._mapper, ClosingMapper):
+            self._session.finish()
             self._mapper.close()
         super().destroy_node()
 
@@ -96,6 +101,7 @@ class GridMapperNode(FloornavNode):
         self._mapper.reconfigure(config)
 
     def _publish_map(self) -> None:
+        self._session.look()
         if self._maps.is_busy():
             return
         has_changed = self._mapper.num_changes != self._num_published
@@ -114,6 +120,7 @@ class GridMapperNode(FloornavNode):
         try:
             path = save_layers(prefix, self._mapper.layers(), self._config.map_mode, margin)[0]
             response.success, response.message = True, str(path.resolve())
+            self._session.save()
         except (ValueError, OSError) as error:
             response.success, response.message = False, str(error)
         return response

@@ -16,6 +16,7 @@ from grid_mapper.closing_mapper import ClosingMapper
 from grid_mapper.config import GridMapperConfig, GridMapperNodeConfig
 from grid_mapper.layers import LayeredMapper
 from grid_mapper.loop_session import LoopSession
+from grid_mapper.nodes.node_sessions import StartSession
 from grid_mapper.recovery import Recovery
 from grid_mapper.relocalizer import Relocalizer
 from grid_mapper.start_map import StartMap, load_start_map
@@ -30,6 +31,7 @@ def make_mapper(
     has_own_poses: bool,
     start: StartMap | None,
     is_frozen: bool,
+    session: StartSession | None = None,
 ) -> LayeredMapper | ClosingMapper:
     """Return the mapper that a node's values ask for, and add what it says to the diagnostics."""
     if start is not None:
@@ -42,7 +44,10 @@ def make_mapper(
         node.get_logger().warning(MISSING)
         node.diagnostics.set("loops", Status(WARN, MISSING))
         return LayeredMapper(config)
-    mapper = ClosingMapper(config, ProcessWorker(LoopSession, config))
+    path = "" if session is None else session.path
+    mapper = ClosingMapper(config, ProcessWorker(LoopSession, config, path))
+    if session is not None:
+        mapper.take_up(session.localizer)
     node.diagnostics.add("loops", lambda: loop_status(mapper))
     return mapper
 
