@@ -7,14 +7,8 @@ import time
 import numpy as np
 import pytest
 
-from grid_mapper.background import (
-    TAKEN_A_STEP,
-    InlineWorker,
-    ProcessWorker,
-    read_message,
-    serve,
-    write_message,
-)
+from grid_mapper.background import InlineWorker, ProcessWorker
+from grid_mapper.background_side import TAKEN_A_STEP, read_message, serve, write_message
 
 
 class Adding:
@@ -52,6 +46,32 @@ class Endless:
 
     def work(self):
         return self._num
+
+
+class Sleepy:
+    """Takes a while for each message."""
+
+    has_work = False
+
+    def take(self, message):
+        time.sleep(0.2)
+        return message
+
+
+class Broken:
+    """Comes apart where it is read."""
+
+    def __reduce__(self):
+        return (int, ("none",))
+
+
+class Unreadable:
+    """Answers with what cannot be read."""
+
+    has_work = False
+
+    def take(self, message):
+        return Broken()
 
 
 def wait_for(condition):
@@ -115,3 +135,31 @@ def test_work_goes_on_while_messages_come_and_messages_are_taken_while_there_is_
     sink.seek(0)
     steps = iter(lambda: read_message(sink), None)
     assert max(np.diff([0, *steps, 3 * TAKEN_A_STEP])) <= TAKEN_A_STEP
+
+
+def test_a_worker_that_died_begins_anew(worker):
+    worker.send(-1)
+    wait_for(lambda: worker.failure)
+    worker.begin_anew()
+    assert worker.failure == ""
+    worker.send(2)
+    assert answers(worker, 2) == [("took", 2), ("sum", 7)]
+
+
+def test_one_that_never_gets_through_what_it_was_sent_begins_anew_at_once():
+    worker = ProcessWorker(Sleepy)
+    for k in range(10_000):
+        worker.send(k)
+    assert answers(worker, 1) == [0]
+    worker.begin_anew()
+    worker.send(-5)
+    assert answers(worker, 1) == [-5] and worker.failure == ""
+    worker.close()
+
+
+def test_an_answer_that_cannot_be_read_is_a_failure():
+    worker = ProcessWorker(Unreadable)
+    worker.send(1)
+    wait_for(lambda: worker.failure)
+    assert "cannot be read" in worker.failure
+    worker.close()

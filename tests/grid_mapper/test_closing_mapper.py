@@ -170,10 +170,32 @@ def test_what_was_said_before_a_jump_in_time_is_found_again_at_the_first_pose():
 class HeldWorker(InlineWorker):
     """Gives no answer while it is held."""
 
-    is_held = True
+    is_held, num_begun = True, 0
 
     def receive(self):
         return None if self.is_held else super().receive()
+
+    def begin_anew(self):
+        self.num_begun += 1
+
+
+class DyingWorker(InlineWorker):
+    """Dies when told to; begins anew with work that knows nothing."""
+
+    def begin_anew(self):
+        self.failure, self._work = "", LoopSession(CONFIG)
+
+
+def test_a_background_that_died_begins_anew_at_reset():
+    worker = DyingWorker(LoopSession(CONFIG))
+    mapper = ClosingMapper(CONFIG, worker)
+    drive([mapper], 20)
+    worker.failure = "ended with code -9"
+    drive([mapper], 20, first=1000)
+    assert mapper.failure == "ended with code -9"
+    mapper.reset()
+    drive([mapper], 20, first=10_000)
+    assert mapper.failure == "" and 0 < mapper.graph.num_nodes <= 20
 
 
 def test_a_background_that_is_too_slow_is_given_up_until_reset_and_mapping_goes_on(monkeypatch):
@@ -182,7 +204,7 @@ def test_a_background_that_is_too_slow_is_given_up_until_reset_and_mapping_goes_
     worker = HeldWorker(work)
     mapper, alone = ClosingMapper(CONFIG, worker), closing(10**9)
     drive([mapper, alone], 110)  # the first lap
-    assert "until ~/reset" in mapper.failure
+    assert "until ~/reset" in mapper.failure and worker.num_begun == 1
     num_known = len(work._closer.frames)
     worker.is_held = False  # it catches up too late
     _, results = drive([mapper, alone], 150, first=1000)

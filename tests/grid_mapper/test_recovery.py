@@ -248,3 +248,40 @@ def test_a_jump_of_odometry_while_lost_is_looked_for_in_the_whole_map(grid):
     results, found_at = robot.drive(way[26:40])
     assert len(found_at) == 1 and is_near(results[-1].T_map_base, way[39])
     assert not any(r.is_trusted for r in results[: found_at[0]])
+
+
+def test_a_search_whose_process_died_begins_anew(grid):
+    class Dying(InlineWorker):
+        def begin_anew(self):
+            self.failure, self._work = "", Relocalizer(CONFIG)
+
+    worker, truth = Dying(Relocalizer(CONFIG)), round_the_ring(60)[20]
+    recovery = Recovery(CONFIG, lambda: worker, lambda: grid)
+    recovery.start()
+    worker.failure = "ended with code -9"
+    assert recovery.look(scan_at(truth, WALLS, range_max=8.0), HERE, SE2.identity()) is None
+    assert recovery.reason == "ended with code -9"
+    recovery.start(Prior(truth, np.diag([0.3, 0.3, 0.2]) ** 2))  # the map has to be sent again
+    found = [
+        recovery.look(scan_at(truth, WALLS, range_max=8.0), HERE, SE2.identity()) for _ in range(4)
+    ]
+    assert any(f is not None and is_near(f.T_map_base, truth) for f in found)
+
+
+def test_a_search_begins_anew_in_the_map_that_was_corrected_meanwhile():
+    """A place in the map of before is none in that of now, till then nothing is believed."""
+    mapper = ClosingMapper(CONFIG, InlineWorker(LoopSession(CONFIG)))
+    maps = [map_of(WALLS, round_the_ring(60)) for _ in range(2)]
+    shown = [maps[0]]
+    recovery = Recovery(CONFIG, lambda: InlineWorker(Relocalizer(CONFIG)), lambda: shown[0])
+    lost, truth = LostRobot(mapper, recovery, GridMapperNodeConfig()), round_the_ring(60)[20]
+    scan = scan_at(truth, WALLS, range_max=8.0)
+    lost.is_said_at(truth, np.diag([0.3, 0.3, 0.2]) ** 2)
+    assert lost.look(scan, HERE, SE2.identity()) is None  # sent; its answer is there at the next
+    mapper.num_swaps += 1
+    for _ in range(3):
+        assert lost.look(scan, HERE, SE2.identity()) is None and lost.is_looked_for
+    shown[0] = maps[1]  # published
+    found = [lost.look(scan, HERE, SE2.identity()) for _ in range(4)]
+    assert found[0] is None and any(f is not None and is_near(f, truth) for f in found[1:])
+    assert recovery.current_map is maps[1] and lost.num_found == 1

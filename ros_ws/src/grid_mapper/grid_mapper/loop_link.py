@@ -51,7 +51,9 @@ class LoopLink:
         self._first_number = -1  # maps of a session that the background begins with are news too
 
     def restart(self, config: GridMapperConfig) -> None:
-        """Let the background forget all and go on by a configuration."""
+        """Let the background forget all and go on by a configuration; one that died begins anew."""
+        if self._worker.failure:
+            self._worker.begin_anew()
         self._worker.send(Restart(self._num_events, config))
         self._num_events += 1
         self._begin()
@@ -62,9 +64,11 @@ class LoopLink:
 
     def send(self, kind: type[Kept], *seen: Any) -> None:
         """Send an event of a kind; `seen` is what it holds beside its number."""
+        if self.failure:
+            return
         if len(self._pending) >= MAX_PENDING:
             self._given_up = TOO_SLOW
-        if self.failure:
+            self._worker.begin_anew()  # it need not go on through all that it was sent
             return
         event = kind(self._num_events, *seen)
         self._num_events += 1

@@ -86,6 +86,9 @@ class Recovery:
             return False
         if self._worker is None:
             self._worker = self._make_worker()
+        if self._worker.failure:
+            self._worker.begin_anew()
+            self._map = None
         if grid is not self._map:
             self._worker.send(NewMap(grid))
             self._map = grid
@@ -103,6 +106,11 @@ class Recovery:
             Whether there is a map to look in.
         """
         return self.start(self._prior if self.is_active else None)
+
+    @property
+    def current_map(self) -> OccupancyMap | None:
+        """The map to look in; None while there is none."""
+        return self._current_map()
 
     def stop(self) -> None:
         """Look no more: somebody else knows."""

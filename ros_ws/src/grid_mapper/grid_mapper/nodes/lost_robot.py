@@ -13,6 +13,7 @@ from grid_mapper.config import GridMapperNodeConfig
 from grid_mapper.dead_reckoning import OdometryWatch
 from grid_mapper.fit_watch import FitWatch
 from grid_mapper.layers import LayeredMapper
+from grid_mapper.map_swaps import MapSwaps
 from grid_mapper.match_verdict import ScanResult
 from grid_mapper.recovery import Recovery
 from grid_mapper.relocation_messages import Prior
@@ -43,6 +44,7 @@ class LostRobot:
     def begin(self) -> None:
         """Begin anew: in a map that was made before the robot is anywhere."""
         self._untrusted_since_ns: int | None = None
+        self._swaps = MapSwaps(self._mapper, self._recovery)
         self._odometry = OdometryWatch()
         self._looked_for_since_ns: int | None = None
         self._recovery.stop()
@@ -98,8 +100,12 @@ class LostRobot:
 
     def look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None) -> SE2 | None:
         """Look for the robot if it is lost; go on where it is found, and return that."""
-        if not self._recovery.is_active or T_odom_base is None:
+        self._swaps.note()
+        if not self._recovery.is_active or T_odom_base is None or self._swaps.is_map_old:
             return None
+        if self._swaps.is_search_old:
+            self._swaps.is_search_old = False
+            self._recovery.restart()
         clipped = self._mapper.config.clipped(scan)
         found = self._recovery.look(clipped, T_base_laser, T_odom_base)
         if found is None:
