@@ -34,8 +34,9 @@ MAPPED = ("before", "after", "after_false_loops", "true_poses")
 PICTURED = ("before", "after", "true_poses")
 FIGURES = ("ate_m", "rpe_m", "map_iou", "glass_recall")
 FALSE_M, FALSE_RAD = 0.3, 0.09
-SPUN_M_S = 0.1
 """A loop that is further off than this is false."""
+SPUN_M_S = 0.1
+"""Where odometry runs ahead of the truth by more than this wheels spin."""
 
 
 @dataclass(frozen=True)

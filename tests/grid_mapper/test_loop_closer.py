@@ -15,12 +15,13 @@ from loop_builders import (
 from worlds import box, moved_walls, scan_at, square_room
 
 from floornav_common.se2 import SE2
+from grid_mapper import loop_closer
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.key_frames import KeyFrame, chain_edge
 from grid_mapper.loop_candidates import Candidate
 from grid_mapper.loop_closer import LoopCloser
 from grid_mapper.loop_config import LoopConfig
-from grid_mapper.loop_verification import agree, are_apart, seen_through, verify
+from grid_mapper.loop_verification import Verdict, agree, are_apart, seen_through, verify
 
 CONFIG = GridMapperConfig()
 SMALL = LoopConfig(submap_nodes=2)
@@ -60,14 +61,27 @@ def test_the_same_frames_give_the_same_poses_to_the_bit(lap):
     ]
 
 
-def test_a_far_loop_waits_for_a_second_that_agrees(lap):
-    """With a graph that is very uncertain no single match is believed."""
+def test_a_far_loop_waits_for_a_second_that_agrees(lap, monkeypatch):
+    """Where the graph is not sure of itself one match closes nothing, two that agree both."""
     _, frames = lap
-    loop = LoopConfig(drift_m=0.1, drift_rad=0.01, sure_sigma_m=1e-6, search_distance_m=1e3)
-    closer = LoopCloser(replace(CONFIG, loop=loop))
+    closer = LoopCloser(replace(CONFIG, loop=LoopConfig(search_distance_m=1e3)))
     for frame in frames:
         closer.add(frame)
-    assert closer.num_loops == 0
+
+    def matched(first, second, off=0.0, sigma=1.0):
+        T = closer.poses[first].between(closer.poses[second]) @ SE2(off, 0.0, 0.0)
+        edge = motion(first, second, T, is_loop=True)
+        monkeypatch.setattr(loop_closer, "verify", lambda *_: Verdict(edge, ""))
+        return edge, closer._compare(Candidate(second, first, sigma, 0.1))
+
+    one, found = matched(10, 95)
+    assert found == [] and closer._pending == [one]
+    assert matched(11, 95)[1] == []  # of the same scans
+    assert matched(30, 105, off=1.0)[1] == []  # of others, but it says something else
+    other, found = matched(32, 106)
+    assert one in found and other in found and one not in closer._pending
+    near, found = matched(50, 60, sigma=1e-3)  # where it is sure one will do
+    assert found == [near]
 
 
 def test_two_loops_of_the_same_scans_are_one_witness():
