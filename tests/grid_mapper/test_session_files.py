@@ -170,6 +170,44 @@ def test_a_foreign_zip_a_folder_and_nothing_are_refused(tmp_path):
             load_session(file, CONFIG)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda head: head.pop("config"),
+        lambda head: head.update(config=["grid"]),
+        lambda head: head.update(parts="two"),
+        lambda head: head.update(parts=10**6),
+        lambda head: head.pop("scans"),
+    ],
+)
+def test_a_head_that_says_something_else_is_refused_in_one_line(saved, change):
+    with zipfile.ZipFile(saved) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    head = json.loads(parts["head"])
+    change(head)
+    parts["head"] = json.dumps(head).encode()
+    with zipfile.ZipFile(saved, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+    with pytest.raises(SessionError, match="drive.session is damaged") as found:
+        load_session(saved, CONFIG)
+    assert "\n" not in str(found.value)
+
+
+@pytest.mark.parametrize("events_saved", [[], [SE2.identity()], [np.zeros(3)]])
+def test_what_is_no_event_is_refused_in_one_line(saved, events_saved):
+    with zipfile.ZipFile(saved) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    (name,) = [name for name in parts if name.startswith("events")]
+    parts[name] = packed(events_saved)
+    with zipfile.ZipFile(saved, "w") as archive:
+        for part, data in parts.items():
+            archive.writestr(part, data)
+    with pytest.raises(SessionError, match="drive.session is damaged") as found:
+        load_session(saved, CONFIG)
+    assert "\n" not in str(found.value)
+
+
 def test_other_parameters_are_refused_by_name(saved):
     other = replace(CONFIG, loop=replace(CONFIG.loop, kernel=3.0))
     with pytest.raises(SessionError, match="was made with loop.kernel 2.0, which is 3.0 now"):

@@ -41,6 +41,8 @@ KINDS: dict[str, type] = {
         Guess, loop_localizer._Followed,
     )
 }  # fmt: skip
+_NO_STATE = (KeyError, ValueError, TypeError, AttributeError, IndexError, RecursionError)
+"""What may be raised where something else was saved than what is said."""
 _DATE = (1980, 1, 1, 0, 0, 0)  # the same session gives the same bytes
 
 
@@ -75,14 +77,18 @@ class Session:
         fresh = LoopClosingLocalizer(self.config)
         try:
             unpacked(_read(self.path, "state"), KINDS, fresh, LEFT_OUT)
-        except (KeyError, ValueError) as error:
+        except _NO_STATE as error:
             raise SessionError(f"{self.path} is damaged: {error}") from error
         return fresh
 
     def events(self) -> Iterator[Event]:
-        """Yield all that it has taken."""
+        """Yield all that it has taken.
+
+        Raises:
+            SessionError: Something in it is no event.
+        """
         for part in range(self.num_parts):
-            yield from unpacked(_read(self.path, _part(part)), KINDS)
+            yield from _events(self.path, part)
 
 
 def save_session(path: Path, so_far: LoopClosingLocalizer, events: Iterable[Event]) -> None:
@@ -124,16 +130,29 @@ def load_session(path: Path, config: GridMapperConfig) -> Session:
             head = json.loads(archive.read("head")) if broken is None else {}
     except OSError as error:
         raise SessionError(f"{path}: {error.strerror or error}") from error
-    except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, EOFError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, *_NO_STATE) as error:
         raise SessionError(f"{path} is no session of map_bag, or is cut off") from error
     if broken is not None:
         raise SessionError(f"{path} is damaged: {broken} does not fit its checksum")
-    _require_same(path, head, config)
     try:
-        last = unpacked(_read(path, _part(head["parts"] - 1)), KINDS)[-1]
-        return Session(path, config, head["scans"], last, head["parts"])
-    except (KeyError, ValueError) as error:
+        _require_same(path, head, config)
+        num_scans, num_parts = int(head["scans"]), int(head["parts"])
+        return Session(path, config, num_scans, _events(path, num_parts - 1)[-1], num_parts)
+    except SessionError:
+        raise
+    except _NO_STATE as error:
         raise SessionError(f"{path} is damaged: {error}") from error
+
+
+def _events(path: Path, part: int) -> list[Event]:
+    try:
+        events = list(unpacked(_read(path, _part(part)), KINDS))
+    except _NO_STATE as error:
+        raise SessionError(f"{path} is damaged: {error}") from error
+    for event in events:
+        if not isinstance(event, Event):
+            raise SessionError(f"{path} is damaged: a {type(event).__name__} among its events")
+    return events
 
 
 def _require_same(path: Path, head: Any, config: GridMapperConfig) -> None:
