@@ -9,6 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
+
+# Kernels compile on the first call and machines are busy: drawn examples take their time.
+settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("busy")
 
 # Domains up to 101 keep clear of the ports that Linux gives out; tests/graph uses 60 to 99.
 DOMAINS = range(10, 60)

@@ -21,6 +21,7 @@ import numpy as np
 from experiments import consistency
 from experiments.corridor_loop import Drive, ring_laps, slipping_odometry
 from experiments.parallel_tasks import add_spread_options, run_tasks
+from experiments.wrong_loops import num_wrong
 from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
@@ -35,7 +36,6 @@ STEP_NS = 400_000_000
 SCANS_A_LAP = {"key_scans": 125, "dense": 600}
 METHODS = ("all_scans", "open", "closed")
 NEAR_M = 1.0
-FALSE_M, FALSE_RAD = 0.3, 0.09
 HERE = SE2.identity()
 
 
@@ -129,10 +129,8 @@ def _revisits(truth: list[SE2]) -> list[tuple[int, int]]:
 def _loops(closer: LoopCloser, drive: Drive) -> dict[str, float]:
     truth = [drive.truth[frame.stamp_ns // STEP_NS] for frame in closer.frames]
     loops = [edge for edge in closer.edges if edge.is_loop]
-    off = [e.T_first_second.between(truth[e.first].between(truth[e.second])) for e in loops]
-    num_false = sum(o.distance > FALSE_M or abs(o.yaw) > FALSE_RAD for o in off)
     looks = largest_difference(closer, truth)
-    return {"loops": len(loops), "false_loops": num_false, "looks_m": looks}
+    return {"loops": len(loops), "false_loops": num_wrong(loops, truth), "looks_m": looks}
 
 
 def largest_difference(closer: LoopCloser, truth: list[SE2]) -> float:

@@ -20,6 +20,7 @@ from experiments.glass_truth import Truth, truth_of
 from experiments.slam_drives import drive_floor
 from experiments.slam_false_loops import FalseLoops
 from experiments.slam_measures import map_iou, seen_area
+from experiments.wrong_loops import num_wrong
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
 from grid_mapper.localizer import ScanLocalizer
@@ -33,8 +34,6 @@ METHODS = (
 MAPPED = ("before", "after", "after_false_loops", "true_poses")
 PICTURED = ("before", "after", "true_poses")
 FIGURES = ("ate_m", "rpe_m", "map_iou", "glass_recall")
-FALSE_M, FALSE_RAD = 0.3, 0.09
-"""A loop that is further off than this is false."""
 SPUN_M_S = 0.1
 """Where odometry runs ahead of the truth by more than this wheels spin."""
 
@@ -107,10 +106,8 @@ def num_false(
     closer: LoopCloser, truth: list[SE2], log: GlassLog, wrong: FalseLoops | None = None
 ) -> int:
     """Return how many loops that a graph found itself are wrong, those slipped in not counted."""
-    nodes = true_nodes(closer, truth, log)
     loops = [e for e in closer.edges if e.is_loop and not (wrong and wrong.is_made(e))]
-    off = [e.T_first_second.between(nodes[e.first].between(nodes[e.second])) for e in loops]
-    return sum(o.distance > FALSE_M or abs(o.yaw) > FALSE_RAD for o in off)
+    return num_wrong(loops, true_nodes(closer, truth, log))
 
 
 def _odometry(log: GlassLog) -> Found:

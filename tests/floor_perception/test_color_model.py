@@ -57,7 +57,7 @@ def test_other_colors_are_not_the_floors(other: tuple[int, int, int]) -> None:
     assert not has_color(color, pixels(other, 500, 6), CONFIG).any()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(0.01, 1.0))
 def test_a_color_followed_goes_a_part_of_the_way_and_keeps_its_spread(part: float) -> None:
     old, new = learn(pixels(GREEN, 500), CONFIG), pixels(BROWN, 500)

@@ -69,7 +69,7 @@ def test_no_floor_at_all_is_nearer_than_the_first_ring() -> None:
     assert np.isneginf(free_ranges(free_ratios(none, template), 0.1, template.edges)).all()
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     st.integers(0, 10_000), st.floats(0.1, 0.95), st.sampled_from([0.3, 1.0, 4.0]),
     st.sampled_from(SHAPES),
@@ -81,7 +81,7 @@ def test_counting_equals_labelling_cell_for_cell(
     assert floor_areas(mask, template).tolist() == labelled_areas(mask, template).tolist()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 10_000), st.floats(0.3, 0.99), st.floats(0.05, 1.0), st.sampled_from(SHAPES))
 def test_one_pass_equals_the_formulas(
     seed: int, share: float, free_share: float, shape: tuple[int, int, bool]

@@ -40,7 +40,7 @@ def test_nothing_is_seen_where_nothing_is() -> None:
     assert DETECTOR.detect(image, "rgb") == {"robots": [], "goal_yellow": []}
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.floats(-math.pi, math.pi), st.floats(100.0, 200.0), st.floats(5.0, 9.0))
 def test_bearings_are_known_to_a_third_of_a_pixel(
     bearing: float, radius_px: float, disk_px: float

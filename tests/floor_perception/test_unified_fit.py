@@ -98,7 +98,7 @@ def test_the_camera_sees_boards_where_the_fit_does() -> None:
         assert np.allclose(fit.camera.project(posed(pose, BOARD)), view.pixels - off, atol=1e-6)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=st.integers(0, 10_000))
 def test_derivatives_are_finite_differences(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -117,7 +117,7 @@ def test_derivatives_are_finite_differences(seed: int) -> None:
             assert np.allclose(J[..., k], expected, atol=1e-5 * max(1.0, np.abs(expected).max()))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=st.integers(0, 10_000))
 def test_a_board_is_placed_from_its_rays(seed: int) -> None:
     pose = poses(5, seed)[seed % 5]

@@ -115,7 +115,7 @@ def test_pixels_outside_the_image_are_not_seen(camera: CentralCamera) -> None:
     assert not camera.sees(np.array([[np.nan, 3.0]])).any()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(roll=TILTS, pitch=TILTS, yaw=st.floats(-3.0, 3.0), height=st.floats(0.05, 3.0))
 @pytest.mark.parametrize("name", CAMERAS)
 def test_floor_points_come_back_under_any_tilt(
@@ -129,7 +129,7 @@ def test_floor_points_come_back_under_any_tilt(
     assert np.allclose(floor.floor_pixels(points[is_near]), pixels[is_near], atol=1e-5)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(roll=TILTS, pitch=TILTS, yaw=st.floats(-3.0, 3.0))
 @pytest.mark.parametrize("name", CAMERAS)
 def test_floor_jacobian_is_its_finite_difference(

@@ -236,7 +236,7 @@ def unit(quat: tuple[float, ...]) -> np.ndarray:
     return np.array(quat) / np.linalg.norm(quat)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(positions, quaternions, positions, quaternions, st.floats(0.0, 1.0))
 def test_laws_of_rigid_motion(p0: tuple, q0: tuple, p1: tuple, q1: tuple, share: float) -> None:
     buffer = TransformBuffer()
@@ -254,7 +254,7 @@ def test_laws_of_rigid_motion(p0: tuple, q0: tuple, p1: tuple, q1: tuple, share:
         assert np.allclose(rotation, Rotation.from_quat(unit(quat)).as_matrix(), atol=TOL_LAW)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(quaternions, quaternions, st.floats(0.0, 1.0))
 def test_interpolation_turns_the_shorter_way_at_a_steady_rate(
     q0: tuple, q1: tuple, share: float

@@ -99,7 +99,7 @@ def test_nothing_is_left_after_a_restart() -> None:
     assert both.width() == 0.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     jump_at=st.integers(0, 30),
     is_two=st.booleans(),

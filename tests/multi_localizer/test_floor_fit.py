@@ -72,7 +72,7 @@ def test_a_corner_beside_two_edges_goes_to_the_nearer():
 @given(
     st.floats(-0.6, 0.6), st.floats(-0.3, 0.3), st.floats(-math.pi, math.pi), st.floats(-0.1, 0.1)
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_exact_points_give_the_exact_pose_from_a_start_nearby(x, y, yaw, turn):
     """As printed eq. 20 and 21 would hold for psi near 0 only."""
     plan, truth = rectangle(2.74, 1.525), SE2(x, y, yaw)

@@ -46,7 +46,7 @@ def test_what_stands_in_the_other_order_cannot_be_matched():
     assert not np.any(found[8:10] == 6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 40))
 def test_no_path_is_better(seed, step):
     costs = np.random.default_rng(seed).integers(0, 60, (1, 5, 4), dtype=np.uint8)

@@ -52,7 +52,7 @@ def test_intervals_cover_the_row_once(values, threshold):
     assert all(a < b for a, b in itertools.pairwise([0, *ends]))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 80), st.integers(1, 3))
 def test_no_path_through_an_interval_is_better(seed, stretch, num):
     costs = np.random.default_rng(seed).integers(0, 60, (5, num), dtype=np.uint8)

@@ -38,7 +38,7 @@ def row(seed, width=7, num=5, most=MAX_COST):
 settings_of_prices = st.tuples(st.integers(0, MAX_PRICE), st.integers(1, MAX_PRICE)).map(sorted)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), settings_of_prices)
 def test_paths_from_both_sides_are_those_of_plain_integers(seed, sizes):
     small, large = sizes[0], max(sizes[1], 1)
@@ -52,7 +52,7 @@ def test_paths_from_both_sides_are_those_of_plain_integers(seed, sizes):
     assert np.array_equal(sums, right + left)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), settings_of_prices)
 def test_paths_from_above_are_those_of_plain_integers(seed, sizes):
     small, large = sizes[0], max(sizes[1], 1)

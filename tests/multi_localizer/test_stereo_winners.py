@@ -48,7 +48,7 @@ def test_equal_sums_give_the_first():
     assert pick(np.full((4, 3), 7))[2:].tolist() == [0, 0]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 3), st.integers(0, 4))
 def test_winners_are_those_of_a_plain_search(seed, max_difference, first_right):
     sums = np.random.default_rng(seed).integers(0, 630, (9, 5))

@@ -115,7 +115,7 @@ def test_bearings_come_in_any_order():
     assert any(np.any(np.diff(ids) < 0) for ids in first)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     st.tuples(st.floats(-3, 3), st.floats(-2, 2), st.floats(-3, 3)),
     st.tuples(st.floats(4, 6), st.floats(-2, 2)),

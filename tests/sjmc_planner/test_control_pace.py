@@ -60,7 +60,7 @@ def test_after_the_last_scan_it_goes_on_once_a_period() -> None:
     assert found[-20:] == pytest.approx(np.full(20, 50.0))
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.lists(st.floats(0.0, 3000.0), max_size=200))
 def test_two_decisions_are_a_period_apart_up_to_a_share(scans_ms: list[float]) -> None:
     apart = np.diff(decisions(scans_ms, 3000.0))

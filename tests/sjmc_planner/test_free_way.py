@@ -43,7 +43,7 @@ def test_an_arc_by_hand():
     assert way([(1.0, -1.0)], curvature=-1.0) == pytest.approx(met)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)), st.floats(-3.0, 3.0),
     st.floats(-2.0, 2.0),

@@ -56,7 +56,7 @@ def test_a_circular_wall_comes_nearer_by_the_radius():
     assert seen == pytest.approx(np.full(N, 1.3), abs=1e-9)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.lists(st.floats(0.3, 3.0) | st.just(np.inf), min_size=12, max_size=12), st.integers(0))
 def test_each_entry_is_the_least_of_the_exact_growth_over_its_width(ranges, salt):
     """Exact: the disk of radius R about a point touches a wedge; looked for on fine points."""

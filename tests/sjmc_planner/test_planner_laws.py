@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from floornav_common.scan import Scan
@@ -42,7 +42,7 @@ CORRIDORS = [
     [(3.0, 0.1, -0.5, 0.0), (4.0, -0.4, -0.8, 0.1), (2.5, 0.8, 0.1, -0.3)],
 ]
 NAMES, DRIVES = sorted(METHODS), ("omni", "differential")
-FEW = settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+FEW = settings(max_examples=15)
 
 every_method = pytest.mark.parametrize("name", NAMES)
 every_drive = pytest.mark.parametrize("drive", DRIVES)

@@ -81,7 +81,7 @@ def test_what_stands_behind_something_that_stands_has_left_nothing() -> None:
     assert told(now, now_at, earlier, SE2.identity())[:, 2].max() == 0.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     x=st.floats(-0.4, 0.4), y=st.floats(-0.4, 0.4), yaw=st.floats(-0.5, 0.5),
     cx=st.floats(1.2, 3.2), cy=st.floats(-2.0, 2.0), radius=st.floats(0.05, 0.35),

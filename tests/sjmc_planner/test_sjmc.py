@@ -37,7 +37,7 @@ def sjmc():
     return make_method(CONFIG)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(x=st.floats(1.4, 4.0), y=st.floats(-0.2, 0.2))
 def test_towards_who_stands_it_is_never_faster_than_the_model(x: float, y: float) -> None:
     decision = watched(sjmc(), [(x, y, 0.2)], FAR)

@@ -23,7 +23,7 @@ def published(**changes):
     return make_method(replace(CONFIG, method="sjmc_published", sjmc=replace(RULE, **changes)))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(gap=st.floats(0.4, 5.0), y=st.floats(-0.3, 0.3), radius=st.floats(0.15, 0.5))
 def test_it_is_never_faster_than_eq_4_5(gap: float, y: float, radius: float) -> None:
     x = gap + radius

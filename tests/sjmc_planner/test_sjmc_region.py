@@ -38,7 +38,7 @@ def box_at(course: float, ways: np.ndarray) -> list[SE2]:
     return [SE2(way * math.cos(course), way * math.sin(course), course) for way in ways]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(course=courses_, way=st.floats(0.0, 3.0))
 def test_all_that_the_robot_really_sweeps_on_a_course_is_in_it(course: float, way: float) -> None:
     """Each point on the border of its box, `way` farther on, is met by then if it is ahead now."""
@@ -50,7 +50,7 @@ def test_all_that_the_robot_really_sweeps_on_a_course_is_in_it(course: float, wa
         assert met <= way + TOL_M
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(course=courses_, x=places, y=places, radius=st.floats(0.0, 0.4))
 def test_what_is_in_it_touches_the_box_then_and_not_before(
     course: float, x: float, y: float, radius: float

@@ -126,7 +126,7 @@ def test_a_place_beside_it_is_backed_to_no_faster_than_it_turns() -> None:
 STEPS = st.lists(st.tuples(st.floats(-0.02, 0.05), st.floats(-0.15, 0.15)), max_size=60)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(steps=STEPS, fastest=st.floats(0.02, 1.0), speed=st.floats(-0.5, -0.01))
 def test_it_backs_within_its_limits_whatever_way_it_came(
     steps: list[tuple[float, float]], fastest: float, speed: float

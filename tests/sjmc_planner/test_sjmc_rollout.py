@@ -71,7 +71,7 @@ def test_a_thing_beside_is_swept_by_the_tail_of_a_turn() -> None:
     assert seen.thing_gap == pytest.approx(0.0, abs=0.01)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     x=st.floats(0.0, 0.8), w=st.floats(-1.2, 1.2), px=st.floats(-1.0, 2.0), py=st.floats(-1.2, 1.2)
 )
@@ -91,7 +91,7 @@ def test_what_a_turning_robot_really_sweeps_until_it_stands_is_foreseen(
     assert seen.thing_gap == pytest.approx(real, abs=STEP_M)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     back=st.floats(-0.5, 0.0), w=st.floats(-1.2, 1.2), px=st.floats(-1.5, 0.8),
     py=st.floats(-1.2, 1.2),

@@ -15,7 +15,7 @@ from sjmc_planner.travel_costs import travel_costs
 from sjmc_planner.wavefront import cut_corners, line_cost, nearest_open, wave, way_down
 from sjmc_planner.wavefront_config import WavefrontConfig
 
-FEW = settings(max_examples=40, deadline=None)
+FEW = settings(max_examples=40)
 CLOSED = math.inf
 
 

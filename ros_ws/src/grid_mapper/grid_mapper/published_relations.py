@@ -1,8 +1,9 @@
 """What others reached against relations that many papers use, to hold ours against it.
 
 Translation errors of Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Auton. Robots
-27, 2009, over all relations of a file. They were read in a public survey that quotes the paper, not
-in the paper itself; its rotation errors could not be confirmed so and are left out.
+27, 2009, over all relations of a file. They were read in a public survey that quotes the paper
+("From 2D LiDAR to an Accurate Vector Floor Plan", a page kept on GitHub), not in the paper; its
+rotation errors could not be confirmed so and are left out.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 
 from grid_mapper.relations import Relation
 
-SOURCE = "Kuemmerle et al., Auton. Robots 27, 2009, as a public survey quotes it"
+SOURCE = "Kuemmerle et al., Auton. Robots 27, 2009, as quoted by a public survey"
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,9 @@ how well the two fit,
 
     z = sum(d) / sqrt(sum(d^2))                                                              (1)
 
-is beyond t by chance with a probability below exp(-t^2 / 2), where both are as likely (Efron 1969).
+is beyond t by chance with a probability below 2 exp(-t^2 / 2), if both are as likely (Efron 1969).
+That is of one look. It is looked after each scan, of at most 300: by simulation z leaves +-4 at any
+of them in 0.1 % of drives with d = +-1, and in 0.05 % with normal d (400 000 drives each).
 Until one order is that sure the beams are taken to be of one moment, as they are where a sweep
 takes longer than scans are apart.
 """
