@@ -16,6 +16,7 @@ from _environment import ensure_environment
 if __name__ == "__main__":
     ensure_environment()
 
+from floornav_common.arguments import count, natural
 from floornav_common.reporting import UserError, run_command  # noqa: E402
 
 PORT = 8786
@@ -48,11 +49,11 @@ def _parsed(argv: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="cluster.py", description=__doc__)
     parts = parser.add_subparsers(dest="part", required=True)
     scheduler = parts.add_parser("scheduler", help="where evaluate.py and the workers meet")
-    scheduler.add_argument("--port", type=int, default=PORT, help=f"(default: {PORT})")
+    scheduler.add_argument("--port", type=natural, default=PORT, help=f"(default: {PORT})")
     worker = parts.add_parser("worker", help="the workers of this machine")
     worker.add_argument("address", help="of the scheduler: tcp://HOST:PORT")
     cores = os.cpu_count() or 1
-    worker.add_argument("--number", type=int, default=cores, metavar="N", help="(one a core)")
+    worker.add_argument("--number", type=count, default=cores, metavar="N", help="(one a core)")
     for part in (scheduler, worker):
         part.add_argument("--host", default="127.0.0.1", help="own address (127.0.0.1)")
     args = parser.parse_args(argv)

@@ -24,6 +24,7 @@ if __name__ == "__main__":
     ensure_environment(needs="node")
 
 from _saying import saying
+from floornav_common.arguments import positive
 from floornav_common.reporting import (
     UserError,
     add_common_options,
@@ -178,7 +179,7 @@ def _parser() -> argparse.ArgumentParser:
     text = (
         "stop after so many simulated seconds (default: at the last goal, the route's end, or 20)"
     )
-    parser.add_argument("--duration", type=_positive, metavar="S", default=None, help=text)
+    parser.add_argument("--duration", type=positive, metavar="S", default=None, help=text)
     text = (
         f"simulated seconds in a second (default: {_DAY_FACTOR:g} with goals, else {_FACTOR:g}; "
         "0 = as fast as it goes)"
@@ -190,13 +191,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--film", action="store_true", help=text)
     add_common_options(parser)
     return parser
-
-
-def _positive(text: str) -> float:
-    value = _number(text)
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a number > 0, got {text}")
-    return value
 
 
 def _factor(text: str) -> float:

@@ -43,6 +43,7 @@ from experiments.crowd_runs import (
 from experiments.crowd_scenes import SCENES
 from experiments.crowd_words import BESIDE, SHOWN, glossary
 from experiments.parallel_tasks import add_spread_options, run_tasks
+from floornav_common.arguments import count, positive
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
 from sim_bridge.people.recorded import read_obsmat
 from sim_bridge.schema import WorldError
@@ -62,9 +63,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--people", nargs="+", default=[], metavar="FILE",
         help="recorded pedestrians (obsmat, plain or .gz), one scene a file",
     )  # fmt: skip
-    parser.add_argument("--fps", type=float, default=25.0, help="of their videos (default: 25)")
+    parser.add_argument("--fps", type=positive, default=25.0, help="of their videos (default: 25)")
     parser.add_argument(
-        "--runs", type=int, default=NUM_RUNS, metavar="N",
+        "--runs", type=count, default=NUM_RUNS, metavar="N",
         help=f"runs of {' and '.join(_CLAIMED)} in each scene (default: {NUM_RUNS}), "
         f"{NUM_OTHERS} at most of the others",
     )  # fmt: skip
@@ -84,11 +85,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def check(args: argparse.Namespace) -> None:
     """Refuse bad input before a folder is made."""
-    for name in ("runs", "jobs"):
-        if getattr(args, name) < 1:
-            raise UserError(f"--{name} must be >= 1, got {getattr(args, name)}")
-    if not args.fps > 0.0:
-        raise UserError(f"--fps must be > 0, got {args.fps:g}")
     for file in args.people:
         try:
             read_obsmat(Path(file).expanduser())

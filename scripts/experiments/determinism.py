@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from floornav_common.arguments import count, natural
 from floornav_common.reporting import Progress, Section, Table, UserError
 
 RECORDING = Path("../shared/data/intel-lab/intel_keyframes_rawodom_corrected.log.gz")
@@ -27,11 +28,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     add = parser.add_argument
     add("--recording", type=Path, default=RECORDING, metavar="FILE", help=f"({RECORDING})")
-    add("--runs", type=int, default=10, metavar="N", help="runs in all (10)")
-    add("--loaded", type=int, default=4, metavar="N", help="of them beside busy processes (4)")
-    add("--busy", type=int, default=os.cpu_count() or 1, metavar="N",
+    add("--runs", type=count, default=10, metavar="N", help="runs in all (10)")
+    add("--loaded", type=natural, default=4, metavar="N", help="of them beside busy processes (4)")
+    add("--busy", type=count, default=os.cpu_count() or 1, metavar="N",
         help="busy processes (one a core)")  # fmt: skip
-    add("--max-scans", type=int, default=None, metavar="N", help="stop each run after N scans")
+    add("--max-scans", type=count, default=None, metavar="N", help="stop each run after N scans")
 
 
 def check(args: argparse.Namespace) -> None:
@@ -40,8 +41,8 @@ def check(args: argparse.Namespace) -> None:
     Raises:
         UserError: It cannot.
     """
-    if args.runs < 2 or not 0 <= args.loaded <= args.runs or args.busy < 1:
-        raise UserError("--runs must be >= 2, --loaded from 0 to --runs, and --busy >= 1")
+    if args.runs < 2 or args.loaded > args.runs:
+        raise UserError("--runs must be >= 2, and --loaded from 0 to --runs")
     if not args.recording.exists():
         raise UserError(f"there is no recording {args.recording}: name one with --recording")
 

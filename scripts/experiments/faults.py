@@ -35,6 +35,7 @@ from experiments.faults_rows_files import file_faults
 from experiments.faults_rows_nodes import company_faults, process_faults, simulator_fault
 from experiments.faults_rows_told import told_faults
 from experiments.faults_setups import Setup, field, hall
+from floornav_common.arguments import positive
 from floornav_common.reporting import Figures, Picture, Section, Table, UserError, say, write_atomic
 
 _HEADS = [
@@ -74,7 +75,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these faults alone")
     parser.add_argument("--quick", action="store_true", help="one fault of each kind")
     text = "simulated seconds in a second at most (1); less for a machine that is busy"
-    parser.add_argument("--rtf", type=float, default=1.0, metavar="F", help=text)
+    parser.add_argument("--rtf", type=positive, default=1.0, metavar="F", help=text)
     parser.add_argument("--list", action="store_true", help="name the faults and end")
 
 

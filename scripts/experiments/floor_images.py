@@ -27,6 +27,7 @@ from floor_perception.color_table import classify, color_table
 from floor_perception.config import ColorConfig, TemplateConfig
 from floor_perception.free_space import floor_areas, ratios_and_ranges
 from floor_perception.polar_template import PolarTemplate, row_spans
+from floornav_common.arguments import share
 from floornav_common.reporting import Figures, Picture, Section, Table, UserError
 
 MAX_SIDE_PX = 800
@@ -56,12 +57,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--images", required=True, metavar="DIR", type=Path, help="pictures, with .txt of boxes"
     )
     parser.add_argument(
-        "--region", nargs=4, type=float, default=(0.0, 0.6, 1.0, 0.8), metavar="PART",
+        "--region", nargs=4, type=share, default=(0.0, 0.6, 1.0, 0.8), metavar="PART",
         help="left, top, right, bottom of a region that is mostly floor, in parts of the picture "
         "(default: 0 0.6 1 0.8, below the horizon of a camera that looks ahead)",
     )  # fmt: skip
     parser.add_argument(
-        "--horizon", type=float, default=0.54, metavar="PART",
+        "--horizon", type=share, default=0.54, metavar="PART",
         help="boxes that end above it do not stand on the floor (default: 0.54)",
     )  # fmt: skip
 

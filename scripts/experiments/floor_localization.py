@@ -38,6 +38,7 @@ from experiments.floor_pose_runs import (
     views_hiding,
 )
 from experiments.floor_pose_scenes import FieldCamera
+from floornav_common.arguments import count
 from floornav_common.floor_camera import FloorCamera
 from floornav_common.reporting import Progress, Section, UserError
 from multi_localizer.floor_fitter import FloorShapeFitter
@@ -65,7 +66,7 @@ Values = dict[str, Any]
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of this experiment."""
     parser.add_argument(
-        "--poses", type=int, default=100, metavar="N", help="poses at each place (default: 100)"
+        "--poses", type=count, default=100, metavar="N", help="poses at each place (default: 100)"
     )
 
 

@@ -23,8 +23,9 @@ from floor_perception.free_space import floor_areas, free_ranges, free_ratios
 from floor_perception.overlay import overlay
 from floor_perception.polar_template import PolarTemplate, make_template
 from floor_perception.resources import load_camera_model
+from floornav_common.arguments import count
 from floornav_common.floor_camera import FloorCamera
-from floornav_common.reporting import Figures, Picture, Progress, Section, Table, UserError
+from floornav_common.reporting import Figures, Picture, Progress, Section, Table
 from floornav_common.scan import Scan
 
 SIZES = ((256, 220), (640, 480))
@@ -106,14 +107,8 @@ def is_missed(cube: CubeView, ranges: np.ndarray, template: PolarTemplate) -> bo
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of this experiment."""
     parser.add_argument(
-        "--scenes", type=int, default=500, metavar="N", help="scenes at each size (default: 500)"
+        "--scenes", type=count, default=500, metavar="N", help="scenes at each size (default: 500)"
     )
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse bad options."""
-    if args.scenes < 1:
-        raise UserError(f"--scenes must be at least 1, got {args.scenes}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

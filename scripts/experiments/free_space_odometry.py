@@ -23,7 +23,8 @@ from experiments.parallel_tasks import add_spread_options, run_tasks
 from floor_perception.config import FloorDetectorConfig
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.resources import load_camera_model
-from floornav_common.reporting import Progress, Section, Table, UserError
+from floornav_common.arguments import count
+from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from sim_bridge.config import RouteConfig
 from sim_bridge.route import RouteFollower
@@ -67,14 +68,8 @@ class Drive:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
-    parser.add_argument("--runs", type=int, default=3, metavar="N", help="seeds (default: 3)")
+    parser.add_argument("--runs", type=count, default=3, metavar="N", help="seeds (default: 3)")
     add_spread_options(parser, jobs=1)
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse bad options."""
-    if args.runs < 1:
-        raise UserError(f"--runs must be at least 1, got {args.runs}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

@@ -22,7 +22,8 @@ from experiments.glass_drives_pictures import draw_runs
 from experiments.glass_drives_runs import LIMIT_S, ROWS, Outcome, Task, figures, run_task
 from experiments.glass_drives_worlds import place_of
 from experiments.parallel_tasks import add_spread_options, run_tasks
-from floornav_common.reporting import Picture, Progress, Section, Table, UserError
+from floornav_common.arguments import count
+from floornav_common.reporting import Picture, Progress, Section, Table
 
 NUM_RUNS, NUM_OTHERS, NUM_QUICK, NUM_PICTURED = 50, 20, 2, 4
 CLAIMED = ("sjmc", "vfh_plus")
@@ -38,7 +39,7 @@ _SHOWN = {
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
-        "--runs", type=int, default=NUM_RUNS, metavar="N",
+        "--runs", type=count, default=NUM_RUNS, metavar="N",
         help=f"runs of {' and '.join(CLAIMED)} (default: {NUM_RUNS}); {NUM_OTHERS} of others",
     )  # fmt: skip
     parser.add_argument(
@@ -49,13 +50,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help=f"which (default: all: {'; '.join(ROWS)})",
     )  # fmt: skip
     add_spread_options(parser)
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse bad input before a folder is made."""
-    for name in ("runs", "jobs"):
-        if getattr(args, name) < 1:
-            raise UserError(f"--{name} must be >= 1, got {getattr(args, name)}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

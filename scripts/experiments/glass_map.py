@@ -24,7 +24,8 @@ from experiments.glass_methods import NAMES
 from experiments.glass_metrics import METRICS
 from experiments.glass_report import sections
 from experiments.parallel_tasks import add_spread_options, run_tasks
-from floornav_common.reporting import Progress, Section, UserError
+from floornav_common.arguments import natural
+from floornav_common.reporting import Progress, Section
 
 WORLDS = ("glass_corridor", "glass_wall")
 SHARES = (0.2, 0.3, 0.4, 0.5)
@@ -40,23 +41,13 @@ _HIGH_IS_GOOD = ("glass_recall", "glass_precision", "glass_seen_share")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
-    parser.add_argument("--floors", type=int, default=30, metavar="N", help="drawn floors (30)")
+    parser.add_argument("--floors", type=natural, default=30, metavar="N", help="drawn floors (30)")
     add_spread_options(parser)
     text = (
         "folder of sensor logs, used again if they are there (default: logs in the results); "
         "empty it when the simulator has changed"
     )
     parser.add_argument("--logs", type=Path, default=None, metavar="DIR", help=text)
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse numbers that make no sense.
-
-    Raises:
-        UserError: They do not.
-    """
-    if args.floors < 0 or args.jobs < 1:
-        raise UserError(f"--floors must be >= 0 and --jobs >= 1, got {args.floors}, {args.jobs}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

@@ -26,7 +26,8 @@ from experiments.landmark_faults import drive_rows, drive_table, fault_rows, fau
 from experiments.landmark_pictures import draw_errors
 from experiments.landmark_report import noise_table, picture_table
 from experiments.landmark_views_sim import FieldEye, View, measured_bearing_sd
-from floornav_common.reporting import Picture, Progress, Section, UserError
+from floornav_common.arguments import count
+from floornav_common.reporting import Picture, Progress, Section
 from floornav_common.se2 import SE2
 from multi_localizer.landmark_circle import circle_fix
 from multi_localizer.landmark_config import LandmarkConfig
@@ -105,14 +106,8 @@ class Tally:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of this experiment."""
     parser.add_argument(
-        "--headings", type=int, default=10, metavar="N", help="headings a place (default: 10)"
+        "--headings", type=count, default=10, metavar="N", help="headings a place (default: 10)"
     )
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse bad options."""
-    if args.headings < 1:
-        raise UserError(f"--headings must be at least 1, got {args.headings}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

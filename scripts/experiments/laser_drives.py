@@ -18,6 +18,7 @@ import numpy as np
 from experiments.bench_scan_matching import kiss_icp_step
 from experiments.corridor_loop import Drive, bare_corridor, corridor_loop, slipping_odometry
 from experiments.parallel_tasks import add_spread_options, run_tasks
+from floornav_common.arguments import count
 from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
@@ -36,7 +37,7 @@ METHODS = ("odometry", "kiss_icp", "floornav_no_odometry", "floornav")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
-    parser.add_argument("--runs", type=int, default=10, metavar="N", help="seeds a drive (10)")
+    parser.add_argument("--runs", type=count, default=10, metavar="N", help="seeds a drive (10)")
     add_spread_options(parser, jobs=1)
 
 

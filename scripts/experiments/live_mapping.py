@@ -18,6 +18,7 @@ import numpy as np
 
 from _processes import Processes, free_domain
 from _saying import saying
+from floornav_common.arguments import positive
 from floornav_common.grid import OCCUPIED, UNKNOWN, OccupancyMap
 from floornav_common.reporting import Section, Table, UserError
 from grid_mapper.config import GridMapperConfig
@@ -34,18 +35,15 @@ SCRIPTS = Path(__file__).resolve().parent.parent
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     parser.add_argument("--bag", nargs="+", type=Path, required=True, help="rosbag2 recordings")
-    parser.add_argument("--rate", type=float, default=1.0, metavar="R", help="speed (1)")
+    parser.add_argument("--rate", type=positive, default=1.0, metavar="R", help="speed (1)")
 
 
 def check(args: argparse.Namespace) -> None:
     """Look at the input before anything is made.
 
     Raises:
-        UserError: If a bag is missing, cannot be read or has no scans, two have one name, or the
-            speed is not positive.
+        UserError: If a bag is missing, cannot be read or has no scans, or two have one name.
     """
-    if not 0.0 < args.rate < float("inf"):
-        raise UserError(f"--rate must be > 0, got {args.rate}")
     missing = [str(bag) for bag in args.bag if not bag.exists()]
     if missing:
         raise UserError(f"no such recording: {', '.join(missing)}")

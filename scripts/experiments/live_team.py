@@ -8,33 +8,24 @@ of what was published. Each robot is a process of three nodes; the simulator is 
 from __future__ import annotations
 
 import argparse
-import math
 from typing import Any
 
 import numpy as np
 
 from _saying import saying
 from experiments.live_team_graph import ROBOTS, run_graph
-from floornav_common.reporting import Section, Table, UserError
+from floornav_common.arguments import positive
+from floornav_common.reporting import Section, Table
 
 SOURCES = {"alone": "landmark_pose", "team": "team_pose"}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
-    parser.add_argument("--duration", type=float, default=30.0, metavar="S", help="simulated (30)")
-    parser.add_argument("--rate", type=float, default=1.0, metavar="R", help="of real time (1)")
-
-
-def check(args: argparse.Namespace) -> None:
-    """Look at the input before anything is made.
-
-    Raises:
-        UserError: If a number is not positive.
-    """
-    for name in ("duration", "rate"):
-        if not 0.0 < getattr(args, name) < math.inf:
-            raise UserError(f"--{name} must be > 0, got {getattr(args, name)}")
+    parser.add_argument(
+        "--duration", type=positive, default=30.0, metavar="S", help="simulated (30)"
+    )
+    parser.add_argument("--rate", type=positive, default=1.0, metavar="R", help="of real time (1)")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from experiments.corridor_loop import ring_laps, slipping_odometry
+from floornav_common.arguments import count, positive
 from floornav_common.reporting import Progress, Section, Table, UserError
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
@@ -39,10 +40,10 @@ KEYS = ("way_m", "hours", "nodes", "free_nodes", "loops", "scans_kept", "key_sca
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     add = parser.add_argument
-    add("--laps", type=int, default=40, metavar="N", help="laps (40)")
-    add("--speed", type=float, default=0.5, metavar="M_S", help="at which hours count (0.5 m/s)")
+    add("--laps", type=count, default=40, metavar="N", help="laps (40)")
+    add("--speed", type=positive, default=0.5, metavar="M_S", help="at which hours count (0.5 m/s)")
     most = GridMapperConfig().loop.max_scans_a_place
-    add("--scans-a-place", type=int, default=most, metavar="N",
+    add("--scans-a-place", type=count, default=most, metavar="N",
         help=f"loop.max_scans_a_place ({most})")  # fmt: skip
 
 
@@ -52,8 +53,8 @@ def check(args: argparse.Namespace) -> None:
     Raises:
         UserError: They do not.
     """
-    if args.laps < 1 or not args.speed > 0.0 or args.scans_a_place < 2:
-        raise UserError("--laps must be >= 1, --speed > 0 and --scans-a-place >= 2")
+    if args.scans_a_place < 2:
+        raise UserError(f"--scans-a-place must be >= 2, got {args.scans_a_place}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

@@ -22,6 +22,7 @@ from experiments import consistency
 from experiments.corridor_loop import Drive, ring_laps, slipping_odometry
 from experiments.parallel_tasks import add_spread_options, run_tasks
 from experiments.wrong_loops import num_wrong
+from floornav_common.arguments import count
 from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
@@ -41,7 +42,7 @@ HERE = SE2.identity()
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
-    parser.add_argument("--runs", type=int, default=4, metavar="N", help="seeds a drive (4)")
+    parser.add_argument("--runs", type=count, default=4, metavar="N", help="seeds a drive (4)")
     add_spread_options(parser, jobs=1)
 
 

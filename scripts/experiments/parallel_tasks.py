@@ -9,6 +9,8 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import TypeVar
 
+from floornav_common.arguments import count
+
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -16,15 +18,9 @@ R = TypeVar("R")
 def add_spread_options(parser: argparse.ArgumentParser, jobs: int = 2) -> None:
     """Add `--jobs` and `--cluster`; `jobs` is the default of the first."""
     add = parser.add_argument
-    add("--jobs", type=_count, default=jobs, metavar="N", help=f"processes (default: {jobs})")
+    add("--jobs", type=count, default=jobs, metavar="N", help=f"processes (default: {jobs})")
     text = "spread over the Dask cluster of this scheduler instead (tcp://HOST:PORT)"
     add("--cluster", default=None, metavar="ADDRESS", help=text)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be a number >= 1, got {text}")
-    return int(text)
 
 
 def run_tasks(

@@ -47,6 +47,7 @@ from experiments.relocalization_floors import (
     walk,
 )
 from experiments.relocalization_robot import STEP_S, Outcome, carried, is_right, rough
+from floornav_common.arguments import count, natural, positive
 from floornav_common.reporting import Progress, Section, Table
 from floornav_common.se2 import SE2
 from grid_mapper.config import GridMapperConfig
@@ -65,11 +66,11 @@ SENT = {"rough": rough, "carried": carried}
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     add = parser.add_argument
-    add("--maps", type=int, metavar="N", help=f"floors ({NUM_MAPS})")
-    add("--places", type=int, metavar="N", help=f"places in all of them ({NUM_PLACES})")
-    add("--first", type=int, metavar="N", help=f"number of the first floor ({FIRST_FLOOR})")
-    add("--more", type=int, metavar="N", help=f"places of rough and carried ({MORE_PLACES})")
-    add("--way", type=float, default=WAY_M, metavar="M", help="longest way, m (%(default)g)")
+    add("--maps", type=count, metavar="N", help=f"floors ({NUM_MAPS})")
+    add("--places", type=count, metavar="N", help=f"places in all of them ({NUM_PLACES})")
+    add("--first", type=natural, metavar="N", help=f"number of the first floor ({FIRST_FLOOR})")
+    add("--more", type=natural, metavar="N", help=f"places of rough and carried ({MORE_PLACES})")
+    add("--way", type=positive, default=WAY_M, metavar="M", help="longest way, m (%(default)g)")
     add("--quick", action="store_true", help=f"{QUICK_MAPS} floors, {QUICK_PLACES} places")
     add_spread_options(parser, jobs=1)
 

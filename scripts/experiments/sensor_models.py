@@ -17,6 +17,7 @@ from experiments.sensor_models_glass import glass_by_angle
 from experiments.sensor_models_laser import laser_noise
 from experiments.sensor_models_odometry import odometry_drift
 from experiments.sensor_models_sonar import sonar_by_angle
+from floornav_common.arguments import count
 from floornav_common.reporting import Picture, Progress, Section, Table
 
 _CAMERAS = "experiments.sensor_models_cameras"
@@ -30,8 +31,8 @@ _STEPS = (
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
-    parser.add_argument("--scans", type=int, default=200, metavar="N", help="per place (200)")
-    parser.add_argument("--runs", type=int, default=40, metavar="N", help="odometry runs (40)")
+    parser.add_argument("--scans", type=count, default=200, metavar="N", help="per place (200)")
+    parser.add_argument("--runs", type=count, default=40, metavar="N", help="odometry runs (40)")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

@@ -38,7 +38,8 @@ from experiments.sjmc_thesis_figures import (
     straight_rows,
 )
 from experiments.sjmc_thesis_report import sections
-from floornav_common.reporting import Progress, Section, UserError
+from floornav_common.arguments import count
+from floornav_common.reporting import Progress, Section
 
 STARTS = (2.7, 4.7)
 RESPONSES = (2.1, 2.3, 2.5, 2.7, 2.9, 3.1, 3.3, 3.5, 3.7, 3.9)
@@ -57,7 +58,7 @@ _FIRST_DANGER = 2.0  # m: of Fig. 5.2, before 5.3 chose 1.9 m
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
-        "--runs", type=int, default=NUM_RUNS, metavar="N",
+        "--runs", type=count, default=NUM_RUNS, metavar="N",
         help=f"repetitions of sjmc with people, from {NEAREST_M:g} m on; all else {NUM_OTHERS} "
         f"at most (default: {NUM_RUNS})",
     )  # fmt: skip
@@ -67,13 +68,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help=f"{NUM_QUICK} runs, few distances")
     add_spread_options(parser)
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse bad input before a folder is made."""
-    for name in ("runs", "jobs"):
-        if getattr(args, name) < 1:
-            raise UserError(f"--{name} must be >= 1, got {getattr(args, name)}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

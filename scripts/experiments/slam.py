@@ -33,6 +33,7 @@ from experiments import consistency
 from experiments.parallel_tasks import add_spread_options, run_tasks
 from experiments.slam_drives import floor_names
 from experiments.slam_runs import FIGURES, METHODS, Job, run_floor
+from floornav_common.arguments import count
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
 from grid_mapper.config import GridMapperConfig
 from sim_bridge.world import load_world
@@ -47,7 +48,7 @@ HEADS = {"ate_m": "ATE m", "rpe_m": "RPE m", "map_iou": "map IoU", "glass_recall
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
     add = parser.add_argument
-    add("--worlds", type=int, default=20, metavar="N", help="floors (20)")
+    add("--worlds", type=count, default=20, metavar="N", help="floors (20)")
     add("--quick", action="store_true", help=f"{NUM_QUICK} floors")
     text = "these floors instead, by number and share of glass, such as 7003:0.2"
     add("--floors", nargs="+", metavar="N:SHARE", help=text)
@@ -62,8 +63,6 @@ def check(args: argparse.Namespace) -> None:
     Raises:
         UserError: They do not.
     """
-    if args.worlds < 1 or args.jobs < 1:
-        raise UserError(f"--worlds and --jobs must be >= 1, got {args.worlds} and {args.jobs}")
     for name in args.floors or ():
         try:
             load_world(f"generated:{name}")

@@ -22,6 +22,7 @@ from experiments.faults_graph import EXCEPTION, FaultGraph, GraphError
 from experiments.faults_setups import Setup
 from experiments.goal_drives import GOAL_LIMIT_S
 from experiments.stereo_world_map import map_of_world
+from floornav_common.arguments import positive
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError, say
 from multi_localizer.voxel_map import save_voxel_map
 from sim_bridge.robot_model import RobotModel, load_robot
@@ -35,17 +36,17 @@ _VOXEL_CELL_M = 0.02
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what only this experiment takes."""
-    parser.add_argument("--minutes", type=float, default=30.0, metavar="M", help="simulated (30)")
+    parser.add_argument(
+        "--minutes", type=positive, default=30.0, metavar="M", help="simulated (30)"
+    )
 
 
 def check(args: argparse.Namespace) -> None:
     """Look at the input before anything is made.
 
     Raises:
-        UserError: If the time is not positive, or the user's ROS domain has a `/clock` already.
+        UserError: If the user's ROS domain has a `/clock` already.
     """
-    if not 0.0 < args.minutes < float("inf"):
-        raise UserError(f"--minutes must be > 0, got {args.minutes}")
     if problem := join_domain():
         raise UserError(problem)
 

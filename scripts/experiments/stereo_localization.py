@@ -29,6 +29,7 @@ from experiments.stereo_map_views import map_of_views
 from experiments.stereo_places import Observer
 from experiments.stereo_views import WORLD, StereoRoom
 from experiments.stereo_world_map import map_of_world
+from floornav_common.arguments import count, not_negative
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError
 from multi_localizer.stereo_localizer import StereoLocalizer
 from multi_localizer.stereo_localizer_config import StereoLocalizerConfig
@@ -56,13 +57,13 @@ _MORE = (
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of this experiment."""
     add = parser.add_argument
-    add("--places", type=int, metavar="N", help="random places (default: 150; 10 with --quick)")
-    add("--drive", type=float, metavar="M", help="length of the drive (default: 50; 3 with "
+    add("--places", type=count, metavar="N", help="random places (default: 150; 10 with --quick)")
+    add("--drive", type=not_negative, metavar="M", help="length of the drive (default: 50; 3 with "
         "--quick)")  # fmt: skip
     add("--map", type=Path, metavar="NPZ", help="another map of the room, by make_voxel_map")
     text = "made from the world's solids, or stereo or RGB-D views of 60 places (default: world)"
     add("--map-from", choices=("world", "stereo", "rgbd"), default="world", help=text)
-    add("--threads", type=int, default=2, metavar="N", help="of the search (default: 2)")
+    add("--threads", type=count, default=2, metavar="N", help="of the search (default: 2)")
     add("--quick", action="store_true", help="few places, a short drive")
 
 
@@ -70,8 +71,6 @@ def check(args: argparse.Namespace) -> None:
     """Refuse bad options; read the map."""
     args.places = (10 if args.quick else 150) if args.places is None else args.places
     args.drive = (3.0 if args.quick else 50.0) if args.drive is None else args.drive
-    if args.places < 1 or args.threads < 1 or args.drive < 0.0:
-        raise UserError("--places and --threads must be at least 1, --drive at least 0")
     try:
         args.voxels = None if args.map is None else load_voxel_map(args.map)
     except (OSError, ValueError) as error:

@@ -19,6 +19,7 @@ import numpy as np
 from experiments.stereo_measures import PAPER, DepthErrors, depth_of
 from experiments.stereo_pairs import judge_all, matchers, one_row_matchers, read_pair
 from experiments.stereo_views import StereoRoom, View
+from floornav_common.arguments import count, positive
 from floornav_common.reporting import Picture, Progress, Section, Table, UserError, say
 from multi_localizer.stereo_config import METHODS
 
@@ -37,33 +38,29 @@ _ERRORS = ("mean_cm", "changing_cm", "smooth_cm")
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of this experiment."""
     parser.add_argument(
-        "--views", type=int, default=300, metavar="N", help="rendered pairs (default: 300)"
+        "--views", type=count, default=300, metavar="N", help="rendered pairs (default: 300)"
     )
     parser.add_argument(
         "--pair", nargs=2, metavar=("LEFT", "RIGHT"), help="one real pair of rectified images"
     )
     parser.add_argument("--gt", metavar="FILE", help="true disparities of LEFT, gray, 0 = unknown")
     parser.add_argument(
-        "--scale", type=float, metavar="S", help="what a disparity of 1 px is in FILE"
+        "--scale", type=positive, metavar="S", help="what a disparity of 1 px is in FILE"
     )
     parser.add_argument(
-        "--disparities", type=int, default=64, metavar="N",
+        "--disparities", type=count, default=64, metavar="N",
         help="disparities searched, a multiple of 16 (default: 64)",
     )  # fmt: skip
 
 
 def check(args: argparse.Namespace) -> None:
     """Refuse bad options; read the pair."""
-    if args.views < 1:
-        raise UserError(f"--views must be at least 1, got {args.views}")
     if args.disparities % 16 != 0 or not 16 <= args.disparities <= 256:
         raise UserError(f"--disparities must be a multiple of 16 to 256, got {args.disparities}")
     given = [o is not None for o in (args.pair, args.gt, args.scale)]
     if any(given) and not all(given):
         raise UserError("--pair, --gt and --scale belong together")
     if args.pair is not None:
-        if not args.scale > 0.0:
-            raise UserError(f"--scale must be above 0, got {args.scale}")
         args.images = read_pair(*args.pair, args.gt, args.scale)
 
 

@@ -20,7 +20,8 @@ from experiments.team_report import sections
 from experiments.team_rows import ROWS, judged, num_layouts
 from experiments.team_things import SIZES, judged_things
 from experiments.team_triangles import every_triangle
-from floornav_common.reporting import Progress, Section, UserError
+from floornav_common.arguments import count
+from floornav_common.reporting import Progress, Section
 from floornav_common.ros.threads import limit_threads
 
 NUM_LAYOUTS = 200
@@ -30,18 +31,10 @@ Task = tuple[str, float, range]  # table; noise, row or number of robots; seeds
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
-        "--layouts", type=int, default=NUM_LAYOUTS, metavar="N",
+        "--layouts", type=count, default=NUM_LAYOUTS, metavar="N",
         help=f"layouts of the main rows; fewer of large teams (default: {NUM_LAYOUTS})",
     )  # fmt: skip
     add_spread_options(parser, jobs=1)
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse bad input before a folder is made."""
-    if args.layouts < 1:
-        raise UserError(f"--layouts must be >= 1, got {args.layouts}")
-    if args.seed < 0:
-        raise UserError(f"--seed must be >= 0, got {args.seed}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

@@ -27,7 +27,8 @@ from experiments.parallel_tasks import add_spread_options, run_tasks
 from floor_perception.config import FloorDetectorConfig, TemplateConfig
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.resources import load_camera_model
-from floornav_common.reporting import Picture, Progress, Section, Table, UserError
+from floornav_common.arguments import count
+from floornav_common.reporting import Picture, Progress, Section, Table
 from sjmc_planner.config import LocalPlannerConfig, OmniConfig, RobotConfig
 from sjmc_planner.methods import make_method
 
@@ -73,17 +74,11 @@ CASES = [(key, mode) for key, setting in SETTINGS.items() for mode in setting.mo
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what is special to this experiment."""
     parser.add_argument(
-        "--fields", type=int, default=NUM_FIELDS, metavar="N",
+        "--fields", type=count, default=NUM_FIELDS, metavar="N",
         help=f"random fields (default: {NUM_FIELDS})",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help=f"{NUM_QUICK} random fields only")
     add_spread_options(parser)
-
-
-def check(args: argparse.Namespace) -> None:
-    """Refuse bad input before a folder is made."""
-    if args.fields < 1 or args.jobs < 1:
-        raise UserError(f"--fields and --jobs must be >= 1, got {args.fields} and {args.jobs}")
 
 
 def run(args: argparse.Namespace, values: dict[str, Any]) -> list[Section]:

@@ -204,9 +204,8 @@ def test_the_same_task_gives_the_same_outcome(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.parametrize(
     ("change", "said"),
-    [({"runs": -3}, "^--runs must be >= 1, got -3$"), ({"jobs": 0}, "^--jobs must be >= 1"),
-     ({"fps": 0.0}, "--fps"), ({"people": ["none.txt"]}, "none.txt"), ({"scenes": []}, "no scene")],
-)  # fmt: skip
+    [({"people": ["none.txt"]}, "none.txt"), ({"scenes": []}, "no scene")],
+)
 def test_bad_input_is_named(change: dict[str, object], said: str) -> None:
     parser = argparse.ArgumentParser()
     crowd.add_options(parser)

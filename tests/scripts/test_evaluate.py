@@ -20,7 +20,6 @@ EVALUATE = Path(__file__).resolve().parents[2] / "scripts" / "evaluate.py"
         (["--bag", "nope"], "no such recording: nope"),
         (["--bag", "empty"], "empty"),
         (["--bag", "empty", "a/empty"], "same name"),
-        (["--bag", "empty", "--rate", "0"], "--rate must be > 0"),
     ],
 )
 def test_bad_input_of_live_mapping_is_one_line_and_leaves_no_folder(

@@ -40,6 +40,6 @@ def test_laps_of_one_corridor_differ_by_their_drive_alone():
     assert all(abs(b.x) < 1e-9 and abs(b.yaw) < 1e-9 and 0.0 < abs(b.y) < 0.8 for b in between)
 
 
-def test_no_laps_are_refused():
-    with pytest.raises(UserError, match="--laps must be >= 1"):
-        check(argparse.Namespace(laps=0, speed=0.5, scans_a_place=12))
+def test_one_scan_a_place_is_refused():
+    with pytest.raises(UserError, match="--scans-a-place must be >= 2, got 1"):
+        check(argparse.Namespace(laps=1, speed=0.5, scans_a_place=1))

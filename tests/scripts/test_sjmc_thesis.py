@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 
-from experiments import glass_drives, sjmc_thesis
+from experiments import sjmc_thesis
 from experiments.crowd_scenes import ROBOT
 from experiments.sjmc_thesis_drives import (
     CROSSING,
@@ -29,7 +28,6 @@ from experiments.sjmc_thesis_figures import (
     static_figures,
     straight_rows,
 )
-from floornav_common.reporting import UserError
 from sjmc_planner.sjmc_config import SjmcConfig
 
 
@@ -168,11 +166,3 @@ def test_every_part_has_its_drives_and_each_only_once() -> None:
     crossing = sjmc_thesis.tasks_of(args)
     assert len(crossing) == 2 * 4 * len(sjmc_thesis.DISTANCES)
     assert {t.kind for t in crossing} == {CROSSING}
-
-
-@pytest.mark.parametrize("experiment", [sjmc_thesis, glass_drives], ids=lambda e: e.__name__)
-@pytest.mark.parametrize("name", ["runs", "jobs"])
-def test_of_two_options_only_the_wrong_one_is_named(experiment: ModuleType, name: str) -> None:
-    args = argparse.Namespace(**{"runs": 2, "jobs": 2, name: -3})
-    with pytest.raises(UserError, match=f"^--{name} must be >= 1, got -3$"):
-        experiment.check(args)

@@ -29,6 +29,7 @@ from floor_perception.points_calibration import calibrate_points
 from floor_perception.points_fit import GROUPS
 from floor_perception.unified_fit import AUTO, MODELS
 from floornav_common import reporting
+from floornav_common.arguments import count, finite, not_negative, positive
 from floornav_common.camera_files import camera_values, load_camera, save_camera, save_floor_camera
 from floornav_common.cameras import hyperboloidal_mirror, radius_table, unified
 from floornav_common.cameras.central import LOOKS, CentralCamera
@@ -73,13 +74,13 @@ def make_parser() -> argparse.ArgumentParser:
     reporting.add_common_options(parser)
     group = parser.add_argument_group("the picture")
     add = group.add_argument
-    add("--image-size", type=int, nargs=2, metavar=("W", "H"), help="for tables: its size, px")
+    add("--image-size", type=count, nargs=2, metavar=("W", "H"), help="for tables: its size, px")
     add("--image", type=Path, metavar="FILE", help="for tables: the picture itself; gives its size")
-    add("--center", type=float, nargs=2, metavar=("U", "V"),
+    add("--center", type=finite, nargs=2, metavar=("U", "V"),
         help="pixel of the mirror's axis (default: found, or the middle)")  # fmt: skip
-    add("--center-sd", type=_not_negative, default=0.0, metavar="PX",
+    add("--center-sd", type=not_negative, default=0.0, metavar="PX",
         help="for pairs: deviation of the center, for the camera file (default: 0)")  # fmt: skip
-    add("--max-radius", type=_positive, metavar="PX",
+    add("--max-radius", type=positive, metavar="PX",
         help="edge of the view (default: found, or the largest measured)")  # fmt: skip
     add("--looks", choices=LOOKS, default="mirror_above",
         help="where the camera looks (default: %(default)s)")  # fmt: skip
@@ -87,7 +88,7 @@ def make_parser() -> argparse.ArgumentParser:
     add = group.add_argument
     add("--kind", choices=PAIR_KINDS, default=PAIR_KINDS[0],
         help="of the camera file (default: %(default)s)")  # fmt: skip
-    add("--height", type=_positive, metavar="M", help="of the viewpoint over the floor, if known")
+    add("--height", type=positive, metavar="M", help="of the viewpoint over the floor, if known")
     group = parser.add_argument_group("checkerboard")
     add = group.add_argument
     add("--pattern", type=_pattern, metavar="CxR", default=(6, 8),
@@ -102,7 +103,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--free", type=_groups, metavar="LIST",
         help=f"what is fitted, of {','.join(GROUPS)} (default: height,yaw, and camera "
         "where no --camera is given)")  # fmt: skip
-    add("--position", type=float, nargs=2, metavar=("X", "Y"), default=(0.0, 0.0),
+    add("--position", type=finite, nargs=2, metavar=("X", "Y"), default=(0.0, 0.0),
         help="viewpoint over base_link, m (default: 0 0)")  # fmt: skip
     return parser
 
@@ -206,20 +207,6 @@ def _one_thread() -> None:
         from threadpoolctl import threadpool_limits
 
         threadpool_limits(1)
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be > 0, got {text}")
-    return value
-
-
-def _not_negative(text: str) -> float:
-    value = float(text)
-    if not 0.0 <= value < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be >= 0, got {text}")
-    return value
 
 
 def _pattern(text: str) -> tuple[int, int]:

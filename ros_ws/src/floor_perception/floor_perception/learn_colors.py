@@ -20,6 +20,7 @@ from floor_perception.config import FloorDetectorConfig
 from floor_perception.first_color import learn_first
 from floor_perception.floor_detector import FloorDetector
 from floor_perception.resources import load_camera_model, load_hidden_mask
+from floornav_common.arguments import share, whole
 from floornav_common.reporting import UserError, run_command
 
 _MAX_PIXELS = 200_000
@@ -66,11 +67,11 @@ def make_parser() -> argparse.ArgumentParser:
     add("--camera-model", default="soccer_small_size", metavar="YAML",
         help="the camera, as floor_detector's parameter (default: %(default)s)")  # fmt: skip
     add("--hidden-mask", default="", metavar="IMAGE", help="as floor_detector's parameter")
-    add("--box", nargs=4, type=int, metavar=("LEFT", "TOP", "RIGHT", "BOTTOM"),
+    add("--box", nargs=4, type=whole, metavar=("LEFT", "TOP", "RIGHT", "BOTTOM"),
         help="take these pixels instead, right and bottom not included")  # fmt: skip
     add(
         "--share",
-        type=float,
+        type=share,
         default=0.5,
         metavar="P",
         help="with --box: least share of its pixels in one color (default: %(default)g)",

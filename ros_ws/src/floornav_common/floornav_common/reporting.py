@@ -32,6 +32,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from floornav_common.arguments import natural
 from floornav_common.progress import Progress, say
 from floornav_common.report_page import (
     Block,
@@ -68,7 +69,7 @@ def add_common_options(parser: argparse.ArgumentParser, *, seed: int = 0) -> Non
     text = "folder for the results (default: out/<command>-<name>; -2, -3 ... if it exists)"
     parser.add_argument("--out", metavar="DIR", default=None, help=text)
     text = f"seed of every random number (default: {seed})"
-    parser.add_argument("--seed", type=int, metavar="N", default=seed, help=text)
+    parser.add_argument("--seed", type=natural, metavar="N", default=seed, help=text)
     parser.add_argument("--quiet", action="store_true", help="print errors only")
 
 

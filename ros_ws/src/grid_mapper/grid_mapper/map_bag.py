@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from floornav_common import reporting
+from floornav_common.arguments import count
 from floornav_common.frames import FrameConfig
 from floornav_common.progress import Progress, say
 from floornav_common.reporting import UserError
@@ -97,7 +98,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--config", type=Path, metavar="YAML", help="parameters of grid_mapper")
     reporting.add_common_options(parser)
     add_input_options(parser)
-    add("--max-scans", type=_positive_int, metavar="N", help="stop after N scans")
+    add("--max-scans", type=count, metavar="N", help="stop after N scans")
     add("--session", type=Path, metavar="FILE", help="go on with a session that was saved")
     add("--save-session", type=Path, metavar="FILE", help="save the session to go on with it")
     add_comparison_options(parser)
@@ -195,13 +196,6 @@ def _shown(
         progress.update(done, note, is_last=done == total)
 
     return on_scan
-
-
-def _positive_int(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"must be at least 1, got {value}")
-    return value
 
 
 def run() -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+from floornav_common.arguments import finite, not_negative, positive
 from floornav_common.frames import FrameConfig
 from floornav_common.se2 import SE2
 from grid_mapper.map_results import MapInputs
@@ -32,23 +33,23 @@ def add_input_options(parser: argparse.ArgumentParser) -> None:
         help="Range topic of ultrasonic sensors; may be given again")  # fmt: skip
     add("--sonar-pose", nargs=4, metavar=("FRAME", "X", "Y", "YAW"), action="append", default=[],
         help="where the sonar of a frame sits on the robot (m, m, rad); one a frame")  # fmt: skip
-    add("--laser-pose", type=float, nargs=3, metavar=("X", "Y", "YAW"),
+    add("--laser-pose", type=finite, nargs=3, metavar=("X", "Y", "YAW"),
         help="where the laser sits on the robot (m, m, rad)")  # fmt: skip
     add("--no-odom", action="store_true", help="map without odometry")
     add("--base-frame", metavar="FRAME",
         help="frame of the robot (default: base_link, or what a bag has instead)")  # fmt: skip
     add("--odom-frame", metavar="FRAME",
         help="frame of the odometry (default: odom, or what a bag has instead)")  # fmt: skip
-    add("--range-limits", type=float, nargs=2, metavar=("MIN", "MAX"),
+    add("--range-limits", type=not_negative, nargs=2, metavar=("MIN", "MAX"),
         help="shortest and longest range that is a measurement (m, m)")  # fmt: skip
     add("--recorded-stamps", action="store_true",
         help="take the times of recording instead of a bag's stamps")  # fmt: skip
     wheels = WheelOptions()
-    add("--ticks-per-turn", type=float, default=wheels.ticks_per_turn, metavar="N",
+    add("--ticks-per-turn", type=positive, default=wheels.ticks_per_turn, metavar="N",
         help="for logs of wheel ticks: ticks of a wheel turn (default: %(default)s)")  # fmt: skip
-    add("--wheel-radius", type=float, default=wheels.wheel_radius_m, metavar="M",
+    add("--wheel-radius", type=positive, default=wheels.wheel_radius_m, metavar="M",
         help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
-    add("--half-axle", type=float, default=wheels.half_axle_m, metavar="M",
+    add("--half-axle", type=positive, default=wheels.half_axle_m, metavar="M",
         help="for logs of wheel ticks (default: %(default)s m)")  # fmt: skip
 
 
@@ -56,10 +57,10 @@ def add_comparison_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that say what the result is compared with."""
     add = parser.add_argument
     add("--relations", type=Path, metavar="FILE", help="known relations: t1 t2 x y z r p yaw")
-    add("--relations-tol", type=_not_negative, metavar="S",
+    add("--relations-tol", type=not_negative, metavar="S",
         help=f"how far a relation's stamp may be from a pose (default: {RELATIONS_TOL_S} s)",
         )  # fmt: skip
-    add("--relations-offset", type=float, metavar="S",
+    add("--relations-offset", type=finite, metavar="S",
         help="added to the trajectory's stamps to compare them (default: 0 s)")  # fmt: skip
     add("--gt", type=Path, metavar="TUM", help="ground truth for ATE and RPE")
 
@@ -104,13 +105,6 @@ def recording_name(path: Path) -> str:
     for ending in ENDINGS:
         name = name.removesuffix(ending)
     return name
-
-
-def _not_negative(text: str) -> float:
-    value = float(text)
-    if not value >= 0.0:
-        raise argparse.ArgumentTypeError(f"must be 0 or more, got {value}")
-    return value
 
 
 def recording_options(args: argparse.Namespace, frames: FrameConfig) -> RecordingOptions:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from floornav_common.arguments import finite, positive
 from floornav_common.reporting import Progress, UserError, run_command, say
 from multi_localizer.voxel_fusion import FusionSettings, extent_of, fuse_views
 from multi_localizer.voxel_map import VoxelMap, save_voxel_map
@@ -69,13 +70,13 @@ def make_parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("--out", type=Path, default=Path("voxel_map.npz"), metavar="FILE",
         help="file to write (default: %(default)s); one that exists is refused")  # fmt: skip
-    add("--cell", type=_length, default=0.01, metavar="M",
+    add("--cell", type=positive, default=0.01, metavar="M",
         help="edge of a voxel along x and y, m (default: %(default)g)")  # fmt: skip
-    add("--layer", type=_length, default=0.16, metavar="M",
+    add("--layer", type=positive, default=0.16, metavar="M",
         help="height of a layer, m (default: %(default)g)")  # fmt: skip
-    add("--max-depth", type=_length, metavar="M",
+    add("--max-depth", type=positive, metavar="M",
         help=f"--views: farther distances are not used (default: {_MAX_DEPTH_M:g})")  # fmt: skip
-    add("--bounds", nargs=6, type=float, metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
+    add("--bounds", nargs=6, type=finite, metavar=("X0", "Y0", "Z0", "X1", "Y1", "Z1"),
         help="--views: what the map reaches over, m (default: all that is seen)")  # fmt: skip
     add("--frame", default="map", metavar="NAME", help="the map's frame (default: %(default)s)")
     add("--quiet", action="store_true", help="print errors only")
@@ -119,13 +120,6 @@ def _say_what_is_used(posed: PosedViews, is_quiet: bool) -> None:
             "warning: in most views down in the image is not down in the map (z up): poses must be "
             "those of the optical frame, x right, y down, z along the view"
         )
-
-
-def _length(text: str) -> float:
-    value = float(text)
-    if not value > 0.0:
-        raise argparse.ArgumentTypeError(f"must be above 0, got {text}")
-    return value
 
 
 def run() -> int:

@@ -22,6 +22,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.utilities import remove_ros_args
 
+from floornav_common.arguments import natural
 from floornav_common.message_lines import one_line
 from floornav_common.ros.main import run_nodes
 
@@ -129,7 +130,7 @@ def main(args: list[str] | None = None) -> int:
         prog="echo", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("topics", nargs="*", metavar="TOPIC")
-    parser.add_argument("--count", type=int, default=0, help="end after that many messages")
+    parser.add_argument("--count", type=natural, default=0, help="end after that many messages")
     parser.add_argument("--list", action="store_true", help="show topics and types, and end")
     given = parser.parse_args(remove_ros_args(["echo", *words])[1:])
     if given.count < 0 or bool(given.topics) == given.list:

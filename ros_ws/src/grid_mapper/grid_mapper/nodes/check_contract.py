@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from floornav_common.arguments import positive
 from floornav_common.progress import Progress, say
 from floornav_common.reporting import (
     Section,
@@ -67,7 +68,7 @@ def make_parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("bag", nargs="?", type=Path, metavar="BAG", help="rosbag2 folder or file; none: live")
     add("--topics", nargs="+", metavar="TOPIC", help="judge only these (full names)")
-    add("--duration", type=float, default=DEFAULT_DURATION_S, metavar="S",
+    add("--duration", type=positive, default=DEFAULT_DURATION_S, metavar="S",
         help="listen for S seconds (default: %(default)g)")  # fmt: skip
     add("--rules", action="store_true", help="print the rules and where they are written, and end")
     add_common_options(parser)

@@ -14,6 +14,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from floornav_common.arguments import positive
 from floornav_common.progress import Progress, say
 from floornav_common.reporting import UserError
 from grid_mapper.nodes.bag_recorder_node import BagRecorderNode
@@ -86,7 +87,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("--all", action="store_true", help="record every topic that someone publishes")
     add("--out", type=Path, default=Path("out") / "record-bag", metavar="BAG",
         help="folder of the new bag (default: %(default)s; -2, -3 ... if it exists)")  # fmt: skip
-    add("--duration", type=float, metavar="S", help="stop after S seconds")
+    add("--duration", type=positive, metavar="S", help="stop after S seconds")
     add("--storage", choices=tuple(STORAGES), default="mcap", help="default: %(default)s")
     add("--quiet", action="store_true", help="print errors only")
     return parser

@@ -12,6 +12,7 @@ from pathlib import Path
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
+from floornav_common.arguments import not_negative, positive
 from floornav_common.progress import Progress, say
 from floornav_common.reporting import UserError
 from grid_mapper.nodes.bag_player_node import CLOCK_TOPIC, BagPlayerNode
@@ -67,16 +68,16 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="replay", description=__doc__)
     add = parser.add_argument
     add("bag", type=Path, metavar="BAG", help="rosbag2 folder or storage file")
-    add("--rate", type=_positive, default=1.0, metavar="R", help="speed (default: 1)")
+    add("--rate", type=positive, default=1.0, metavar="R", help="speed (default: 1)")
     add("--loop", action="store_true", help="start again at the end, until Ctrl-C")
-    add("--start", type=_not_negative, default=0.0, metavar="S", help="begin S seconds in")
-    add("--duration", type=_positive, metavar="S", help="play S seconds of the bag")
+    add("--start", type=not_negative, default=0.0, metavar="S", help="begin S seconds in")
+    add("--duration", type=positive, metavar="S", help="play S seconds of the bag")
     add("--topics", nargs="+", metavar="TOPIC", help="play only these")
     add("--remap", nargs="+", default=[], metavar="A:=B", help="publish topic A as B")
     add("--qos", type=Path, metavar="FILE", help="YAML, topic: {reliability: ..., depth: ...}")
-    add("--clock", type=_not_negative, default=DEFAULT_CLOCK_HZ, metavar="HZ",
+    add("--clock", type=not_negative, default=DEFAULT_CLOCK_HZ, metavar="HZ",
         help="rate of /clock in real time, 0 for none (default: %(default)g)")  # fmt: skip
-    add("--wait", type=_not_negative, default=3.0, metavar="S",
+    add("--wait", type=not_negative, default=3.0, metavar="S",
         help="wait at most S seconds for subscribers (default: %(default)g)")  # fmt: skip
     add("--quiet", action="store_true", help="print errors only")
     return parser
@@ -203,17 +204,3 @@ def _remap_pair(text: str) -> tuple[str, str]:
     if not (separator and before and after):
         raise ValueError(f"--remap wants A:=B, got {text!r}")
     return before, after
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not value > 0.0:
-        raise argparse.ArgumentTypeError(f"must be > 0, got {value}")
-    return value
-
-
-def _not_negative(text: str) -> float:
-    value = float(text)
-    if not value >= 0.0:
-        raise argparse.ArgumentTypeError(f"must be 0 or more, got {value}")
-    return value
