@@ -60,6 +60,7 @@ class Robot:
         peer.wait_to_hear("map", "pose", "/tf")
         node.wait_for("/pose is sent to 1")
         self.poses_driven = drive_around()
+        self.T_odom_start = SE2.identity()
         self.step = 0
 
     def is_sending(self, seconds: float) -> bool:
@@ -101,12 +102,12 @@ class Robot:
             self.wait_for_pose(stamp_ns)
         return self.poses_driven[0].between(pose)
 
-    def send_step(self) -> tuple[SE2, int]:
-        """Send a scan and the odometry that covers it; return its pose and stamp."""
+    def send_step(self, pose: SE2 | None = None) -> tuple[SE2, int]:
+        """Send a scan and the odometry that covers it; return its pose, and stamp."""
         stamp_ns = T0_NS + self.step * PERIOD_NS
-        pose = self.poses_driven[self.step % len(self.poses_driven)]
+        pose = pose or self.poses_driven[self.step % len(self.poses_driven)]
         self.send_scan(pose, stamp_ns)
-        self.send_odometry(self.poses_driven[0].between(pose), stamp_ns)
+        self.send_odometry(self.T_odom_start @ self.poses_driven[0].between(pose), stamp_ns)
         self.step += 1
         return pose, stamp_ns
 
@@ -257,35 +258,65 @@ def test_transforms_that_jump_back_stop_map_to_odom(make_mapper):
     robot.stops_sending()
 
 
+class ClockedRobot(Robot):
+    """Drives beside a clock, which jumps back."""
+
+    def __init__(self, peer: Any, node: Any) -> None:
+        from rosgraph_msgs.msg import Clock
+
+        super().__init__(peer, node)
+        self._clock = peer.publisher(Clock, "/clock", 1, to=node)
+
+    def tick(self, first_ns: int, num: int) -> None:
+        """Send times, half a period apart."""
+        from rosgraph_msgs.msg import Clock
+
+        from floornav_common.ros.messages import ns_to_stamp
+
+        for number in range(num):
+            self._clock.publish(Clock(clock=ns_to_stamp(first_ns + number * PERIOD_NS // 2)))
+            self.peer.spin(0.02)
+
+    def jump_back(self, node: Any) -> None:
+        """Drive five steps, and let the clock jump back to where it began."""
+        self.tick(T0_NS, 10)
+        self.drive(5)
+        self.tick(T0_NS + 5 * PERIOD_NS, 30)
+        self.peer.spin_until(lambda: bool(self.sent_by_mapper()))
+        self.tick(T0_NS, 3)
+        node.wait_for("the clock jumped back")
+        self.stops_sending()
+
+
 def test_a_clock_that_jumps_back_stops_map_to_odom_until_a_scan_is_trusted(start, peer):
-    from rosgraph_msgs.msg import Clock
-
-    from floornav_common.ros.messages import ns_to_stamp
-
     node = start(*NODE, "--ros-args", "-p", "use_sim_time:=true")
     node.wait_for("ready", READY_S)
-    robot = Robot(peer, node)
-    clock = peer.publisher(Clock, "/clock", 1, to=node)
-
-    def tick(first_ns: int, num: int) -> None:
-        for number in range(num):
-            clock.publish(Clock(clock=ns_to_stamp(first_ns + number * PERIOD_NS // 2)))
-            peer.spin(0.02)
-
-    tick(T0_NS, 10)
-    robot.drive(5)
-    tick(T0_NS + 5 * PERIOD_NS, 30)
-    peer.spin_until(lambda: bool(robot.sent_by_mapper()))
-    tick(T0_NS, 3)
-    node.wait_for("the clock jumped back")
-    robot.stops_sending()
-    tick(T0_NS + PERIOD_NS, 20)
+    robot = ClockedRobot(peer, node)
+    robot.jump_back(node)
+    robot.tick(T0_NS + PERIOD_NS, 20)
     assert not robot.sent_by_mapper()
+    robot.step = 0
+    for step in range(50):  # it stands where it was, as odometry says
+        robot.send_step(robot.poses_driven[4])
+        robot.tick(T0_NS + (15 + step) * PERIOD_NS, 2)
+        if robot.sent_by_mapper():
+            break
+    assert robot.sent_by_mapper()
+
+
+def test_where_odometry_jumped_with_the_clock_the_robot_has_to_drive_to_be_found(start, peer):
+    node = start(*NODE, "--ros-args", "-p", "use_sim_time:=true")
+    node.wait_for("ready", READY_S)
+    robot = ClockedRobot(peer, node)
+    robot.jump_back(node)
+    robot.T_odom_start = SE2(3.0, 0.0, 1.0)
     robot.step = 0
     for step in range(1000):  # it is looked for in the whole map, and has to drive for that
         if step < len(robot.poses_driven):
             robot.send_step()
-        tick(T0_NS + (15 + step) * PERIOD_NS, 2)
+        robot.tick(T0_NS + (15 + step) * PERIOD_NS, 2)
+        if step == 4:
+            assert not robot.sent_by_mapper()
         if robot.sent_by_mapper():
             break
     assert robot.sent_by_mapper()

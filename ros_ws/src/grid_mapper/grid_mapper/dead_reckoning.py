@@ -11,6 +11,8 @@ from grid_mapper.config import MotionConfig
 from grid_mapper.motion import odometry_motion, rotated, steady_motion
 
 RESET_SLACK_S = 0.5  # logs stamp scans that badly
+ON_M, ON_RAD = 0.5, 0.5
+"""What odometry may move by while time jumps: scans and transforms are missing for a moment."""
 
 
 @dataclass(frozen=True)
@@ -47,18 +49,41 @@ def has_jumped(
     return moved.distance > config.max_speed * dt or abs(moved.yaw) > config.max_turn_rate * dt
 
 
+def goes_on(T_odom_last: SE2, T_odom_base: SE2) -> bool:
+    """Tell whether odometry goes on over a jump of time: only the clock was set, nobody carried it.
+
+    A recording that begins again, or another one, has its odometry elsewhere.
+    """
+    moved = T_odom_last.between(T_odom_base)
+    return moved.distance <= ON_M and abs(moved.yaw) <= ON_RAD
+
+
 class OdometryWatch:
-    """Tells when odometry jumps from one scan to the next."""
+    """Tells when odometry jumps from one scan to the next, or over a jump of time.
+
+    Attributes:
+        has_time_jumped: Whether time did since the last odometry.
+    """
 
     def __init__(self) -> None:
         self._last: tuple[int, SE2] | None = None
+        self.has_time_jumped = False
+
+    def break_time(self) -> None:
+        """Take note that time jumped."""
+        self.has_time_jumped = True
 
     def take(self, stamp_ns: int, T_odom_base: SE2 | None, config: MotionConfig) -> bool:
         """Take odometry at a scan; None where there is none."""
-        last = self._last
-        self._last = None if T_odom_base is None else (stamp_ns, T_odom_base)
-        if last is None or T_odom_base is None:
+        if T_odom_base is None and self.has_time_jumped:
             return False
+        last, has_time_jumped = self._last, self.has_time_jumped
+        self._last = None if T_odom_base is None else (stamp_ns, T_odom_base)
+        self.has_time_jumped = False
+        if T_odom_base is None or last is None:
+            return has_time_jumped
+        if has_time_jumped:
+            return not goes_on(last[1], T_odom_base)
         return has_jumped(*last, stamp_ns, T_odom_base, config)
 
 

@@ -6,22 +6,24 @@ and judged; key scans are added to that map.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.after_jump import WAY_M, Guess, looked_at, settled
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.dead_reckoning import Step, is_reset, motion_since
+from grid_mapper.dead_reckoning import Step, goes_on, is_reset, motion_since
 from grid_mapper.key_scans import KeyScans
-from grid_mapper.match_verdict import ScanResult, blind, objection, undetermined
+from grid_mapper.match_verdict import ScanResult, blind, first_verdict, objection, undetermined
 from grid_mapper.motion import updated_velocity
 from grid_mapper.scan_matcher import ScanMatcher
 from grid_mapper.surface_points import SurfacePoints, points_of
 from grid_mapper.sweeps import SweepOrder, sweep_twist
 
-# How far a pose given by hand, or kept over a jump in time, can be off: (m, m, rad).
-VAGUE_SIGMAS = np.array([0.3, 0.3, 0.2])
+VAGUE_COV = np.diag([0.3, 0.3, 0.2]) ** 2
+"""How far a pose given by hand, or kept over a jump in time, can be off (m, m, rad)."""
 MIN_VARIANCE = 1e-8
 LOST = "where in the map the robot is is not known"
 
@@ -54,6 +56,7 @@ class ScanLocalizer:
         self._first_pose: SE2 | None = None
         self._guesses: list[Guess] = []  # where the robot may be after a jump; empty if it knows
         self._last: Step | None = None
+        self._T_odom_before: SE2 | None = None  # odometry before a jump of time
         self._keys = KeyScans()
         self.sweeps = SweepOrder()
 
@@ -92,18 +95,17 @@ class ScanLocalizer:
         motion = self.config.motion
         if is_reset(self._last, stamp_ns, T_odom_base, motion):
             self._guess_anew(0.0)
+        elif T_odom_base is not None:
+            self._go_on(T_odom_base)
         if self._last is None and not self._matcher.is_empty:
             self.begin_in_map(stamp_ns)
         moved, cov_moved, dt = motion_since(self._last, stamp_ns, T_odom_base, motion)
         if self._is_lost:
-            result, near = self._follow(moved, cov_moved), np.diag(VAGUE_SIGMAS**2)
+            result, near = self._follow(moved, cov_moved), VAGUE_COV
         elif self._matcher.is_empty:
             result, near = self._first(len(points)), np.zeros((3, 3))
         elif self._guesses:
-            result, near = (
-                self._search(points, moved, T_odom_base is not None),
-                np.diag(VAGUE_SIGMAS**2),
-            )
+            result, near = self._search(points, moved, T_odom_base is not None), VAGUE_COV
         else:
             result, near = self._track(points, moved, cov_moved)
         pose = result.T_map_base
@@ -125,8 +127,8 @@ class ScanLocalizer:
                 coordinate exactly, stands for 0.3 m and 0.2 rad.
         """
         if cov is None or np.linalg.eigvalsh(cov).min() < MIN_VARIANCE:
-            cov = np.diag(VAGUE_SIGMAS**2)
-        self._guesses, self._is_lost = [], False
+            cov = VAGUE_COV
+        self._guesses, self._is_lost, self._T_odom_before = [], False, None
         if self._last is None:
             self._T_map_start, self._start_cov = T_map_base, cov
         else:
@@ -141,12 +143,14 @@ class ScanLocalizer:
 
         It counts as found again where scans go on to fit the map well near the newest pose or near
         the first one (a recording that starts again), or where `relocate` says; only there after
-        `lose`.
+        `lose`. Where odometry goes on as it was, one scan that fits near the newest pose is enough.
 
         Args:
             T_map_first: Where the first pose lies by now; by default where it was.
         """
+        last, before = self._last, self._T_odom_before
         self._guess_anew(WAY_M, T_map_first)
+        self._T_odom_before = before if last is None else last.T_odom_base or before
 
     @property
     def num_bytes(self) -> int:
@@ -163,9 +167,18 @@ class ScanLocalizer:
         if not was_lost:
             self._guesses = [Guess(T_last, way_m), Guess(T_map_first or self._first_pose)]
 
+    def _go_on(self, T_odom_base: SE2) -> None:
+        """Follow odometry over a jump of time, if it did not jump too."""
+        before, self._T_odom_before = self._T_odom_before, None
+        if before is None or self._last is None or not goes_on(before, T_odom_base):
+            return
+        self._last = replace(self._last, T_odom_base=before)
+        if self._guesses:
+            self._guesses[0] = replace(self._guesses[0], way_m=0.0)
+
     def begin_in_map(self, stamp_ns: int) -> None:
         """Begin where the robot was said to be in a map that is there."""
-        cov = np.diag(VAGUE_SIGMAS**2) if self._start_cov is None else self._start_cov
+        cov = VAGUE_COV if self._start_cov is None else self._start_cov
         start = self._first_pose = self._T_map_start
         self._last = Step(stamp_ns, start, None, cov, cov, np.zeros(3))
 
@@ -177,14 +190,10 @@ class ScanLocalizer:
 
     def _first(self, num_points: int) -> ScanResult:
         """Start the map, if the scan shows anything."""
-        motion, pose = self.config.motion, self._T_map_start
-        cov = np.diag([motion.base_m, motion.base_m, motion.base_rad]) ** 2
-        cov = cov if self._start_cov is None else self._start_cov
-        if num_points < self.config.min_pairs:
-            reason = f"only {num_points} points in the first scan"
-            return ScanResult(pose, cov, False, reason, 0.0)
-        self._first_pose = pose
-        return ScanResult(pose, cov, True, "", 1.0)
+        result = first_verdict(num_points, self._T_map_start, self._start_cov, self.config)
+        if result.is_trusted:
+            self._first_pose = result.T_map_base
+        return result
 
     def _track(
         self, points: SurfacePoints, moved: SE2, cov_moved: np.ndarray
@@ -223,10 +232,10 @@ class ScanLocalizer:
 
     def _search(self, points: SurfacePoints, moved: SE2, has_odom: bool) -> ScanResult:
         """Look for the robot where it may be; believe only a place that scans go on to fit."""
-        cov, config = np.diag(VAGUE_SIGMAS**2), self.config
-        fits = [self._matcher.match(points, guess.pose @ moved, cov) for guess in self._guesses]
-        pairs = zip(self._guesses, fits, strict=True)
-        self._guesses = [looked_at(guess, fit, moved, has_odom, config) for guess, fit in pairs]
+        cov, guesses = VAGUE_COV, self._guesses
+        fits = [self._matcher.match(points, guess.pose @ moved, cov) for guess in guesses]
+        looks = zip(guesses, fits, strict=True)
+        self._guesses = [looked_at(*look, moved, has_odom, self.config) for look in looks]
         k = settled(self._guesses)
         if k is not None:
             self._guesses, fit = [], fits[k]

@@ -34,6 +34,25 @@ class ScanResult:
     information: np.ndarray | None = None
 
 
+def first_verdict(
+    num_points: int, T_map_start: SE2, start_cov: np.ndarray | None, config: GridMapperConfig
+) -> ScanResult:
+    """Return where the first scan of a map is: where it was said to be, if it shows anything.
+
+    Args:
+        num_points: Of the scan.
+        T_map_start: Said pose.
+        start_cov: Its covariance; None for that of standing still.
+        config: How many points it takes.
+    """
+    sigmas = [config.motion.base_m, config.motion.base_m, config.motion.base_rad]
+    cov = np.diag(sigmas) ** 2 if start_cov is None else start_cov
+    if num_points < config.min_pairs:
+        reason = f"only {num_points} points in the first scan"
+        return ScanResult(T_map_start, cov, False, reason, 0.0)
+    return ScanResult(T_map_start, cov, True, "", 1.0)
+
+
 def is_found(match: MatchResult, config: GridMapperConfig) -> bool:
     """Tell whether a match is good enough to say where a robot is that did not know."""
     return (

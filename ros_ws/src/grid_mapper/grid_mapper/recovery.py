@@ -16,7 +16,7 @@ from floornav_common.scan import Scan
 from floornav_common.se2 import SE2
 from grid_mapper.background import Worker
 from grid_mapper.config import GridMapperConfig
-from grid_mapper.localizer import MIN_VARIANCE, VAGUE_SIGMAS
+from grid_mapper.localizer import MIN_VARIANCE, VAGUE_COV
 from grid_mapper.map_surfaces import round_place, surfaces_of
 from grid_mapper.motion import odometry_motion, rotated
 from grid_mapper.relocalizer import SURROUNDINGS_M
@@ -184,4 +184,4 @@ def _usable(prior: Prior | None) -> Prior | None:
     """Return a prior; one that claims to know a coordinate exactly is taken as a vague one."""
     if prior is None or np.linalg.eigvalsh(prior.cov).min() >= MIN_VARIANCE:
         return prior
-    return Prior(prior.T_map_base, np.diag(VAGUE_SIGMAS**2))
+    return Prior(prior.T_map_base, VAGUE_COV)

@@ -75,27 +75,29 @@ class LostRobot:
         self._mapper.relocate(pose, cov, self._recovery.surroundings(pose))
 
     def restart(self) -> None:
-        """Look in the whole map that there is, or near the word that still counts: a jump.
+        """Go on after time jumped: where the robot was, if odometry goes on and a scan fits there.
 
-        Before there is a map it goes on where scans fit near the newest or the first pose.
+        Else it is looked for in the whole map that there is, or near the word that still counts;
+        before there is a map it goes on where scans fit near the newest or the first pose.
         """
-        self._odometry = OdometryWatch()
+        self._odometry.break_time()
         self._mapper.break_motion()
-        if self.config.use_odom and self._recovery.restart():
-            self._mapper.lose()
 
     def is_jump(self, stamp_ns: int, T_odom_base: SE2 | None) -> bool:
         """Take odometry at a scan; tell whether it jumped further than a robot can move.
 
-        What was looked at before counts no longer then; a mapper that is not lost sees to itself.
+        What was looked at before counts no longer then. A mapper that is not lost sees to itself,
+        but for a jump of time too: then the robot may be anywhere.
         """
+        has_time_jumped = self._odometry.has_time_jumped
         if not self._recovery.is_active:
             self._looked_for_since_ns = None
         elif self._looked_for_since_ns is None:
             self._looked_for_since_ns = stamp_ns
         is_jump = self._odometry.take(stamp_ns, T_odom_base, self._mapper.config.motion)
-        if is_jump and self._recovery.is_active:
-            self._recovery.restart()
+        may_look = self.config.use_odom and (has_time_jumped or self._recovery.is_active)
+        if is_jump and may_look and self._recovery.restart():
+            self._mapper.lose()
         return is_jump
 
     def look(self, scan: Scan, T_base_laser: SE2, T_odom_base: SE2 | None) -> SE2 | None:
