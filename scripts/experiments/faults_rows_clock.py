@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from experiments.faults_case import Act, Fault, changing
+from experiments.faults_case import Act, Fault, changing, drive_up
 from experiments.faults_changes import drop
 from experiments.faults_graph import SIMULATOR, FaultGraph, set_parameters
 from experiments.faults_judge import BASE, DIP, DRIVE, HALT, OTHER
@@ -62,8 +62,17 @@ def clock_faults() -> list[Fault]:
     ]  # fmt: skip
 
 
+def _wait_past(graph: FaultGraph, ns: int) -> None:
+    """Wait until so much time has passed that going back by it is a time still."""
+    if graph.relay.now_ns <= ns:
+        graph.spin_sim((ns - graph.relay.now_ns) * 1e-9 + 1.0)
+        drive_up(graph)
+        graph.notes["struck_ns"] = graph.relay.now_ns
+
+
 def _shift(shift_ns: int) -> Act:
     def act(graph: FaultGraph) -> None:
+        _wait_past(graph, -shift_ns)
         graph.relay.shift_ns = shift_ns
 
     return act
@@ -71,6 +80,7 @@ def _shift(shift_ns: int) -> Act:
 
 def _shift_clock(shift_ns: int) -> Act:
     def act(graph: FaultGraph) -> None:
+        _wait_past(graph, -shift_ns)
         graph.relay.clock_shift_ns = shift_ns
 
     return act
