@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from experiments.crowd_runs import Outcome
 from experiments.crowd_scenes import Scene
+from experiments.run_panels import draw_panels
 from floornav_common.se2 import SE2
 from sim_bridge.robot_model import load_robot
 from sim_bridge.solids import solids_of
@@ -18,31 +21,15 @@ _COLUMNS = 3
 
 def draw_scene(path: Path, scene: Scene, outcomes: Mapping[str, Outcome]) -> None:
     """Draw a run by each method: outlines every second, people's ways to the end of the drive."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    rows = -(-len(outcomes) // _COLUMNS)
-    low, high = _extent(scene, outcomes)
-    height = 5.0 * (high[1] - low[1]) / (high[0] - low[0]) + 0.4
-    figure, all_axes = plt.subplots(
-        rows, _COLUMNS, figsize=(5.0 * _COLUMNS, height * rows), squeeze=False, layout="constrained"
-    )
     outline = np.array(load_robot(scene.world.robots[0]).config.footprint_m)
-    for axes in all_axes.flat:
-        axes.set_axis_off()
-    for axes, (method, outcome) in zip(all_axes.flat, outcomes.items(), strict=False):
-        _draw_run(axes, scene, outline, outcome)
-        axes.set_xlim(low[0], high[0])
-        axes.set_ylim(low[1], high[1])
-        axes.set_aspect("equal")
-        axes.set_title(f"{method}: {_words(outcome)}", fontsize=9)
-    figure.savefig(path, dpi=80)
-    plt.close(figure)
+    panels = {
+        f"{method}: {_words(outcome)}": partial(_draw_run, scene, outline, outcome)
+        for method, outcome in outcomes.items()
+    }
+    draw_panels(path, *_extent(scene, outcomes), panels, _COLUMNS, width_in=5.0)
 
 
-def _draw_run(axes, scene: Scene, outline: np.ndarray, outcome: Outcome) -> None:  # type: ignore[no-untyped-def]
+def _draw_run(scene: Scene, outline: np.ndarray, outcome: Outcome, axes: Any) -> None:
     for solid in solids_of(scene.world):
         axes.fill(*solid.outline().T, color="0.6")
     for track in outcome.people.values():

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from experiments.glass_drives_runs import Outcome
 from experiments.glass_drives_worlds import Place
+from experiments.run_panels import draw_panels
 from floornav_common.se2 import SE2
 from sim_bridge.robot_model import load_robot
 from sim_bridge.solids import solids_of
@@ -19,32 +22,17 @@ _EVERY = 4  # kept poses between two outlines
 
 def draw_runs(path: Path, place: Place, outcomes: Mapping[str, Outcome]) -> None:
     """Draw a run by each row: outlines on the way, true glass, and the glass of its map."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    rows = -(-len(outcomes) // _COLUMNS)
     corners = np.vstack([s.outline() for s in solids_of(place.world)])
     low, high = corners.min(axis=0) - 0.3, corners.max(axis=0) + 0.3
-    height = 6.0 * (high[1] - low[1]) / (high[0] - low[0]) + 0.4
-    figure, all_axes = plt.subplots(
-        rows, _COLUMNS, figsize=(6.0 * _COLUMNS, height * rows), squeeze=False, layout="constrained"
-    )
     outline = np.array(load_robot(place.world.robots[0]).config.footprint_m)
-    for axes in all_axes.flat:
-        axes.set_axis_off()
-    for axes, (name, outcome) in zip(all_axes.flat, outcomes.items(), strict=False):
-        _draw(axes, place, outline, outcome)
-        axes.set_xlim(low[0], high[0])
-        axes.set_ylim(low[1], high[1])
-        axes.set_aspect("equal")
-        axes.set_title(f"{name}: {_words(outcome)}", fontsize=9)
-    figure.savefig(path, dpi=80)
-    plt.close(figure)
+    panels = {
+        f"{name}: {_words(outcome)}": partial(_draw, place, outline, outcome)
+        for name, outcome in outcomes.items()
+    }
+    draw_panels(path, low, high, panels, _COLUMNS, width_in=6.0)
 
 
-def _draw(axes, place: Place, outline: np.ndarray, outcome: Outcome) -> None:  # type: ignore[no-untyped-def]
+def _draw(place: Place, outline: np.ndarray, outcome: Outcome, axes: Any) -> None:
     for solid in solids_of(place.world):
         if solid.bottom < 0.4:
             is_glass = solid.glass is not None
