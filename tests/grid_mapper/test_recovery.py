@@ -49,7 +49,7 @@ class Robot:
         self.recovery = recovery_in(grid)
         self.odometry, self.step = SE2(4.0, 4.0, 2.0), 0
 
-    def drive(self, poses, walls=WALLS):
+    def drive(self, poses, walls=WALLS, lost=None):
         """Drive through true poses; return the results, and at which steps it was found."""
         results, found_at, last = [], [], poses[0]
         rng = np.random.default_rng(self.step)
@@ -57,6 +57,8 @@ class Robot:
             self.odometry @= last.between(pose)
             last = pose
             scan = scan_at(pose, walls, rng=rng, range_max=8.0)
+            if lost is not None:
+                lost.is_jump(self.step * STEP_NS, self.odometry)
             if self.recovery.is_active:
                 found = self.recovery.look(scan, HERE, self.odometry)
                 if found is not None:
@@ -240,13 +242,31 @@ def test_when_odometry_jumps_a_word_on_where_the_robot_is_still_counts(grid):
     )
 
 
-def test_a_jump_of_odometry_while_lost_is_looked_for_in_the_whole_map(grid):
+@pytest.mark.parametrize("goes_on", [True, False])
+def test_after_a_jump_of_time_it_is_looked_for_where_odometry_jumped_too(grid, goes_on):
     robot, way = Robot(grid, is_frozen=True), round_the_ring(120)
     lost = LostRobot(robot.mapper, robot.recovery, GridMapperNodeConfig(start_map="ring"))
-    robot.drive(way[20:26])
+    _, found_at = robot.drive(way[20:34], lost=lost)
+    assert len(found_at) == 1
     lost.restart()
-    results, found_at = robot.drive(way[26:40])
-    assert len(found_at) == 1 and is_near(results[-1].T_map_base, way[39])
+    robot.step -= 10
+    if not goes_on:
+        robot.odometry = SE2(-2.0, 1.0, 0.5) @ robot.odometry
+    results, found_at = robot.drive(way[33:50], lost=lost)
+    assert len(found_at) == (0 if goes_on else 1)
+    first = 0 if goes_on else found_at[0]
+    assert not any(r.is_trusted for r in results[:first])
+    assert results[first].is_trusted and is_near(results[-1].T_map_base, way[49])
+
+
+def test_time_that_jumps_while_lost_begins_no_search_anew(grid):
+    robot, way = Robot(grid, is_frozen=True), round_the_ring(120)
+    lost = LostRobot(robot.mapper, robot.recovery, GridMapperNodeConfig(start_map="ring"))
+    results, found_at = robot.drive(way[20:22], lost=lost)
+    assert not found_at and not any(r.is_trusted for r in results)
+    lost.restart()
+    results, found_at = robot.drive(way[21:36], lost=lost)
+    assert len(found_at) == 1 and is_near(results[-1].T_map_base, way[35])
     assert not any(r.is_trusted for r in results[: found_at[0]])
 
 

@@ -30,7 +30,7 @@ from grid_mapper.recordings.events import Event, RangeEvent, ScanEvent
 from grid_mapper.session_codec import packed, unpacked
 from grid_mapper.surface_points import SurfacePoints
 
-FORMAT, VERSION = "floornav mapping session", 5
+FORMAT, VERSION = "floornav mapping session", 6
 EVENTS_A_PART = 500
 LEFT_OUT = frozenset({"config", "_key", "_solver"})
 """Attributes that follow from the parameters or from the rest."""
